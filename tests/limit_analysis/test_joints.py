@@ -101,11 +101,8 @@ def test_a_rigid_block_on_soil(c: float) -> None:
     assert sum(one.iterations for one in found.history[:2]) < 40
 
 
-@pytest.mark.parametrize("c", [200.0, 50.0])
-def test_a_rigid_block_slides_on_clay(c: float) -> None:
-    """[X] On clay as well, which rests while the block slides at (.5 * 96 + 2 * 2) / 2 = 26. The
-    least mesh proves it from above, within the accuracy of the solver.
-    """
+def block_on_clay(c: float, block_law: sc.Material) -> sc.Model:
+    """A block of 2 m on clay, with a joint of mu = .5 and an adhesion of 2, on the least mesh."""
     ground = MeshTri.init_tensor(np.linspace(0, 6, 7), np.linspace(-2, 0, 3)).with_defaults()
     block = MeshTri.init_tensor(np.linspace(2, 4, 3), np.linspace(0, 2, 3)).with_defaults()
     basis = Basis(
@@ -113,12 +110,20 @@ def test_a_rigid_block_slides_on_clay(c: float) -> None:
         ElementVector(ElementTriP2()),
         intorder=2,
     )
-    materials = {"ground": sc.Tresca(1e4, 0.3, c), "block": sc.LinearElastic(1e6, 0.2)}
+    materials = {"ground": sc.Tresca(1e4, 0.3, c), "block": block_law}
     forms = {
         "bodies": sc.SolidForm(basis, materials),
         "joint": sc.ContactPair(basis, "block:bottom", "ground:top", sc.Coulomb(0.5, adhesion=2.0)),
     }
-    found = sc.Model(forms, basis.get_dofs("ground:bottom").all()).bounds(
+    return sc.Model(forms, basis.get_dofs("ground:bottom").all())
+
+
+@pytest.mark.parametrize("c", [200.0, 50.0])
+def test_a_rigid_block_slides_on_clay(c: float) -> None:
+    """[X] On clay as well, which rests while the block slides at (.5 * 96 + 2 * 2) / 2 = 26. The
+    least mesh proves it from above, within the accuracy of the solver.
+    """
+    found = block_on_clay(c, sc.LinearElastic(1e6, 0.2)).bounds(
         weight={"ground": 20.0, "block": 24.0},
         tractions={"block:left": (1.0, 0.0)},
         live="block:left",
@@ -128,6 +133,22 @@ def test_a_rigid_block_slides_on_clay(c: float) -> None:
     )
     assert found.lower <= 26.0 * (1 + 1e-12)
     assert 26.0 * (1 - 1e-12) <= found.upper < 26.0 * (1 + 1e-5)
+
+
+@pytest.mark.parametrize("c", [100.0, 500.0])
+def test_a_block_of_clay_slides_on_clay(c: float) -> None:
+    """[X] Under a push of 10 the factor is (.5 * 96 + 2 * 2) / (2 * 10) = 2.6. Neither side of the
+    joint changes its volume, and the accuracy is that of the first mesh.
+    """
+    found = block_on_clay(200.0, sc.Tresca(1e4, 0.3, c)).bounds(
+        weight={"ground": 20.0, "block": 24.0},
+        tractions={"block:left": (10.0, 0.0)},
+        flow="associated",
+        elements=200,
+        progress=False,
+    )
+    assert 2.6 * (1 - 3e-4) < found.lower <= 2.6 * (1 + 1e-12)
+    assert 2.6 * (1 - 1e-12) <= found.upper < 2.6 * (1 + 3e-4)
 
 
 def test_a_foot_beside_a_support() -> None:
