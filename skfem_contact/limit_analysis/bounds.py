@@ -105,7 +105,7 @@ def bounds(
     elements
         Largest number of triangles.
     seconds
-        Processor time after which no finer mesh is begun.
+        Processor time after which no further bound is begun, but for `safe` and the estimates.
     progress
         Show a progress bar; by default where the output is a terminal.
 

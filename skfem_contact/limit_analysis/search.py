@@ -104,6 +104,7 @@ class Search:
         # first bounds; mechanisms that leave strong bodies rigid are kept where they are better
         self.history: list[Certificate] = []
         self._began = process_time()
+        self._seconds = np.inf
         self._factor = 1.0
         self._gain = np.inf
         self._accuracy = np.full(2, _FIRST)  # of the lower and of the upper bound
@@ -136,20 +137,26 @@ class Search:
         high = self.upper.proof.value
         return self.live and (high < 0 or self.least > high or self.least == np.inf)
 
+    @property
+    def late(self) -> bool:
+        """True after the time that the search may take."""
+        return process_time() - self._began > self._seconds
+
     def run(self, gap: float, elements: int, seconds: float) -> None:
         """Refine until the gap is small."""
+        self._seconds = seconds
         while self.gap > gap and not self.overloaded:
             # Refine where the gap arises, within the limits of elements and time.
             share = float(np.clip((1.0 - gap / self.gap) / _REMOVED, *_SHARES))
             finer = self.triangles.rooted().refined(_marked(self._gap_of_elements(), share))
             finer = self._fanned(matched(self.model.contacts, finer))
-            if finer.mesh.nelements > elements or process_time() - self._began > seconds:
+            if finer.mesh.nelements > elements or self.late:
                 break
             self._take(finer)
             # The upper bound is cheap, and follows every mesh.
             known = self.upper.proof.value
             self._note(upper=self._solve_upper())
-            if self.gap <= gap or self._futile(known, gap):
+            if self.gap <= gap or self.late or self._futile(known, gap):
                 break
             # The lower bound follows when it may gain enough.
             before = self.last[0].triangles.mesh
@@ -157,7 +164,8 @@ class Search:
             if grown or self._gain > _GAIN * self.gap or self.gap < gap + 2 * self._gain:
                 self._note(lower=self._solve_lower(self.model))
         # Close the gap on the last mesh.
-        if self.gap > gap and self.last[0].triangles.mesh is not self.triangles.mesh:
+        behind = self.last[0].triangles.mesh is not self.triangles.mesh
+        if self.gap > gap and behind and not self.late:
             self._note(lower=self._solve_lower(self.model))
 
     def _take(self, finer: Triangles) -> None:
@@ -331,7 +339,10 @@ class Search:
         return Bound(self.triangles, program, solution, proof)
 
     def estimate(self, weaker: LimitModel | None) -> float | None:
-        """Return the lower bound of a weaker model on the last triangles, or of no strength."""
+        """Return the lower bound of a weaker model on the last triangles, or of no strength.
+
+        Where time is over, the triangles are those of the best lower bound.
+        """
         if weaker is None:
             return None
         nothing = 0.0
@@ -339,6 +350,8 @@ class Search:
             nothing = -np.inf
         if not self.lower.proof.value > nothing:
             return nothing
+        if self.late:
+            self.triangles = self.lower.triangles
         try:
             return float(self._solve_lower(weaker).proof.value)
         except ValueError:

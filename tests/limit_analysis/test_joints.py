@@ -151,6 +151,32 @@ def test_a_block_of_clay_slides_on_clay(c: float) -> None:
     assert 2.6 * (1 - 1e-12) <= found.upper < 2.6 * (1 + 3e-4)
 
 
+@pytest.mark.filterwarnings("ignore:the bounds:skfem_contact.AnalysisWarning")
+def test_no_bound_is_begun_when_time_is_over(monkeypatch) -> None:
+    """But for the safe one, on the mesh of the best lower bound. Each bound takes a second here."""
+    clock = []
+    take = search.Search._found
+
+    def found_in_a_second(*given):
+        clock.append(1.0)
+        return take(*given)
+
+    monkeypatch.setattr(search.Search, "_found", found_in_a_second)
+    monkeypatch.setattr(search, "process_time", lambda: sum(clock))
+    model = block_on_clay(50.0, sc.Tresca(1e4, 0.3, 500.0))
+    found = model.bounds(
+        weight={"ground": 20.0, "block": 24.0},
+        tractions={"block:left": (10.0, 0.0)},
+        gap=1e-3,
+        seconds=5.5,
+        progress=False,
+    )
+    *before, safe = found.history
+    assert before[-1].cpu == 6.0
+    best = max((one for one in before if one.kind == "lower"), key=lambda one: one.value)
+    assert safe.kind == "lower" and safe.elements == best.elements
+
+
 def test_a_foot_beside_a_support() -> None:
     """Velocities without jumps cannot leave a support: where contact ends at one, it is named."""
     ground = MeshTri.init_tensor(np.linspace(0, 6, 13), np.linspace(-1, 0, 5)).with_defaults()
