@@ -262,12 +262,13 @@ class Bar(Form, Couples, Staged, Regularised):
         self._where = np.hstack((a, b))
         self._length = length
         self._spacing = 1.0 if spacing is None else positive(spacing, "spacing")
+        self._in_row = spacing is not None
         self._stiffness = EA / length
         self._jack: float | None = None
         self.parameters = {
             "EA": EA,
             "yield_force": yield_force,
-            "spacing": spacing,
+            "spacing": self._spacing,
             "tension_only": tension_only,
             "compression_only": compression_only,
         }
@@ -338,7 +339,7 @@ class Bar(Form, Couples, Staged, Regularised):
         """Return the bars with a spacing that is an angle, of which whole numbers make a circle."""
         members = 2.0 * np.pi / self._spacing
         whole = abs(members - np.rint(members)) <= _WHOLE * members
-        if self.parameters["spacing"] is not None and not whole:
+        if self._in_row and not whole:
             raise ValueError(
                 f"a spacing of {self._spacing:g} makes {members:.4g} members round the axis: in "
                 "axial symmetry it is the angle between them in radians, 2 * pi over their number"

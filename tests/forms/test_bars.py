@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from skfem import (
@@ -153,3 +155,18 @@ def test_a_distance_is_no_spacing_in_axial_symmetry() -> None:
         ring(np.pi / 2, changed=2.0)
     with pytest.raises(ValueError, match=r"a spacing of 1 makes 6\.283 members round the axis"):
         ring(1.0)
+
+
+def test_files_of_bars_without_a_row(tmp_path) -> None:
+    """In the plane bars of a spacing of one are bars a unit of length: files of one are of both."""
+    beam = sc.Beam(None, [(0.0, 0.0), (0.0, -2.0)], EI=10.0, EA=1e3)
+    saved = []
+    for spacing in (1.0, None):
+        at = beam.at((0.0, 0.0))
+        bar = sc.Bar(None, at, (4.0, 3.0), EA=75.0, fixed_end=True, spacing=spacing)
+        saved.append(sc.Model({"beam": beam, "bar": bar}, beam.dofs((0.0, -2.0))))
+    old, new = saved
+    old.run([sc.Stage("rest")], progress=False).save(tmp_path / "old.npz")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sc.load_result(tmp_path / "old.npz", new)
