@@ -11,6 +11,7 @@ from numpy import ndarray
 from typing_extensions import TypeVar
 
 from ..checks import names, names_of
+from ..contact.laws import InterfaceLaw
 from ..errors import warn
 from ..forms.base import Form
 from ..forms.roles import Body, Reducible, Touching, having, materials_of
@@ -29,7 +30,8 @@ def factored(model: M, factors: PartialFactors, *, exclude: str | Collection[str
     r"""Return the model with design values of its strengths; the model itself stays as it is.
 
     Cohesion and :math:`\tan\varphi` of materials, undrained strengths, and friction and adhesion of
-    contact pairs are divided by their factors, tensile strength by the factor of the cohesion.
+    contact pairs are divided by their factors. Tensile strength has the factor of the cohesion,
+    which without friction is that of undrained strength, as adhesion has.
     Forms that stages change are factored as well. Runs, searches and bounds of the new model start
     from results of either one.
 
@@ -89,7 +91,7 @@ class _Factoring:
         if not isinstance(form, Reducible) or "" not in form.strengths:
             return form
         if isinstance(form, Touching):
-            law = self._once(form.law, lambda law: law.reduced(self.factors.phi))
+            law = self._once(form.law, lambda law: divided(law, self.factors))
             return form if law is form.law else form.with_law(law)  # type: ignore[attr-defined]
         return self._once(form, lambda one: one.reduced(self.factors.phi, "given", ("",)))
 
@@ -125,19 +127,26 @@ class _Factoring:
 
 
 def divided(material: Any, factors: PartialFactors) -> Any:
-    """Return a material with design values of its strength, or itself if it has none."""
-    # Divide the soil of undrained ground.
+    """Return a law with design values of its strength, or itself if it has none."""
+    # Divide the soil of undrained ground, and the joints of rock.
     own = as_given(material)
     existing = parameters_of(material)
     if "soil" in existing:
         return replace(own, soil=divided(existing["soil"], factors))
+    if "joints" in existing:
+        joints = tuple(divided(joint, factors) for joint in existing["joints"])
+        return replace(own, joints=joints)
 
     # Divide the parameters of Mohr and Coulomb, and undrained strengths.
     by = dict.fromkeys(_UNDRAINED, factors.undrained)
+    friction = existing.get("phi", 0.0)
+    if isinstance(own, InterfaceLaw):  # mu of a material may be its shear modulus
+        friction = existing.get("mu", 0.0)
+        by["mu"] = factors.phi
     cohesion = factors.undrained
-    if "phi" in existing and _has_friction(existing["phi"]):
+    if _has_friction(friction):
         cohesion = factors.cohesion
-    by |= dict.fromkeys(("c", "c_end", "tension"), cohesion)
+    by |= dict.fromkeys(("c", "c_end", "adhesion", "tension"), cohesion)
     changed: dict[str, Any] = {}
     for name, value in existing.items():
         if name in by:
@@ -145,7 +154,7 @@ def divided(material: Any, factors: PartialFactors) -> Any:
         elif name in ("phi", "phi_end"):
             changed[name] = _angle_over(value, factors.phi)
     if not changed:
-        if material.reducible:
+        if getattr(material, "reducible", True):  # all laws of contact
             return material.reduced(factors.phi)
         return material
     if "psi" in existing and "phi" in changed:

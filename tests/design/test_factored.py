@@ -46,7 +46,7 @@ def test_strengths_of_a_model(model):
     assert soil.psi == soil.phi
     assert design.forms["solid"].materials["block"] is model.forms["solid"].materials["block"]
     law = design.forms["skin"].law
-    assert np.allclose((law.mu, law.adhesion), (0.5, 2.5))
+    assert np.allclose((law.mu, law.adhesion), (0.5, 2.0))
     assert model.forms["skin"].law.mu == 0.6
     assert model.forms["solid"].materials["plate"].c == 12.0
 
@@ -134,6 +134,26 @@ def test_tensile_strength_is_divided_like_cohesion(phi):
     by_depth = divided(replace(soil, tension=lambda x: 7.0 + x[1]), OWN)
     assert np.isclose(by_depth.tension(np.array([0.0, 7.0])), 14.0 / factor)
     assert divided(replace(soil, tension=None), OWN).tension is None
+
+
+def test_joints_and_adhesion_have_the_factors_of_soil():
+    """[X] Cohesion and friction of joints by their own factors; adhesion without friction is that
+    of undrained ground.
+    """
+    sets = (
+        sc.Joint(dip=30.0, c=12.0, phi=25.0, psi=25.0, tension=3.0),
+        sc.Joint(dip=-60.0, c=5.0, phi=0.0),
+    )
+    rock = divided(sc.JointedRock(E=1e6, nu=0.2, joints=sets), OWN)
+    rough, smooth = rock.joints
+    assert np.allclose((rough.c, rough.tension), (12.0 / OWN.cohesion, 3.0 / OWN.cohesion))
+    assert np.isclose(tangent(rough.phi), tangent(25.0) / OWN.phi) and rough.psi == rough.phi
+    assert (rough.dip, smooth.dip, smooth.phi) == (30.0, -60.0, 0.0)
+    assert np.isclose(smooth.c, 5.0 / OWN.undrained)
+    clay = divided(sc.Coulomb(adhesion=7.0, tension=2.0), OWN)
+    assert np.allclose(
+        (clay.mu, clay.adhesion, clay.tension), (0.0, 7.0 / OWN.undrained, 2.0 / OWN.undrained)
+    )
 
 
 def test_a_slope_has_the_factor_over_the_partial_factor():
