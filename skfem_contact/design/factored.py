@@ -11,7 +11,7 @@ from numpy import ndarray
 from typing_extensions import TypeVar
 
 from ..checks import names, names_of
-from ..contact.laws import InterfaceLaw
+from ..contact.laws import Coulomb, InterfaceLaw
 from ..errors import warn
 from ..forms.base import Form
 from ..forms.roles import Body, Reducible, Touching, having, materials_of
@@ -91,7 +91,7 @@ class _Factoring:
         if not isinstance(form, Reducible) or "" not in form.strengths:
             return form
         if isinstance(form, Touching):
-            law = self._once(form.law, lambda law: divided(law, self.factors))
+            law = self._once(form.law, lambda law: divided_interface(law, self.factors))
             return form if law is form.law else form.with_law(law)  # type: ignore[attr-defined]
         return self._once(form, lambda one: one.reduced(self.factors.phi, "given", ("",)))
 
@@ -127,7 +127,7 @@ class _Factoring:
 
 
 def divided(material: Any, factors: PartialFactors) -> Any:
-    """Return a law with design values of its strength, or itself if it has none."""
+    """Return a material with design values of its strength, or itself if it has none."""
     # Divide the soil of undrained ground, and the joints of rock.
     own = as_given(material)
     existing = parameters_of(material)
@@ -139,14 +139,8 @@ def divided(material: Any, factors: PartialFactors) -> Any:
 
     # Divide the parameters of Mohr and Coulomb, and undrained strengths.
     by = dict.fromkeys(_UNDRAINED, factors.undrained)
-    friction = existing.get("phi", 0.0)
-    if isinstance(own, InterfaceLaw):  # mu of a material may be its shear modulus
-        friction = existing.get("mu", 0.0)
-        by["mu"] = factors.phi
-    cohesion = factors.undrained
-    if _has_friction(friction):
-        cohesion = factors.cohesion
-    by |= dict.fromkeys(("c", "c_end", "adhesion", "tension"), cohesion)
+    cohesion = _of_cohesion(existing.get("phi", 0.0), factors)
+    by |= dict.fromkeys(("c", "c_end", "tension"), cohesion)
     changed: dict[str, Any] = {}
     for name, value in existing.items():
         if name in by:
@@ -154,12 +148,32 @@ def divided(material: Any, factors: PartialFactors) -> Any:
         elif name in ("phi", "phi_end"):
             changed[name] = _angle_over(value, factors.phi)
     if not changed:
-        if getattr(material, "reducible", True):  # all laws of contact
+        if material.reducible:
             return material.reduced(factors.phi)
         return material
     if "psi" in existing and "phi" in changed:
         changed["psi"] = _least(existing["psi"], changed["phi"])
     return replace(own, **changed)
+
+
+def divided_interface(law: InterfaceLaw, factors: PartialFactors) -> InterfaceLaw:
+    """Return a law of contact with design values, by one factor where it is not Coulomb's."""
+    if not isinstance(law, Coulomb):
+        return law.reduced(factors.phi)
+    cohesion = _of_cohesion(law.mu, factors)
+    return replace(
+        law,
+        mu=law.mu / factors.phi,
+        adhesion=law.adhesion / cohesion,
+        tension=law.tension / cohesion,
+    )
+
+
+def _of_cohesion(friction: Any, factors: PartialFactors) -> float:
+    """Return the factor of the cohesion: without friction it is an undrained strength."""
+    if _has_friction(friction):
+        return factors.cohesion
+    return factors.undrained
 
 
 def _has_friction(phi: Any) -> bool:

@@ -11,7 +11,7 @@ from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.design import EC7, factored
-from skfem_contact.design.factored import divided
+from skfem_contact.design.factored import divided, divided_interface
 
 #: Different factors on all strengths.
 OWN = replace(EC7["DA1-2"], name="own", phi=1.2, cohesion=1.5, undrained=1.4)
@@ -150,7 +150,7 @@ def test_joints_and_adhesion_have_the_factors_of_soil():
     assert np.isclose(tangent(rough.phi), tangent(25.0) / OWN.phi) and rough.psi == rough.phi
     assert (rough.dip, smooth.dip, smooth.phi) == (30.0, -60.0, 0.0)
     assert np.isclose(smooth.c, 5.0 / OWN.undrained)
-    clay = divided(sc.Coulomb(adhesion=7.0, tension=2.0), OWN)
+    clay = divided_interface(sc.Coulomb(adhesion=7.0, tension=2.0), OWN)
     assert np.allclose(
         (clay.mu, clay.adhesion, clay.tension), (0.0, 7.0 / OWN.undrained, 2.0 / OWN.undrained)
     )
