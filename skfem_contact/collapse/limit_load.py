@@ -312,7 +312,9 @@ def is_stable(
         except NotConverged as error:
             failure = as_collapse(error, system, origin.x, origin.states, whole, newton)
             if not isinstance(failure, NoEquilibrium) or failure.x is None:
-                raise NotConverged(f"{error}{system.layout.located(error.dof)}") from error
+                text = f"{error}{system.layout.located(error.dof)}"
+                found = error.x, error.residuals, error.dof, error.cycle
+                raise type(error)(text, *found) from error
             states = system.evaluate(failure.x, origin.states, whole).states
             warn_of_errors(system, failure.x, states)
             return False
