@@ -25,7 +25,7 @@ from .augmented import AugmentedLagrangian
 from .dual import DualMultipliers
 from .enforcement import Enforcement
 from .fold import Fold
-from .interface import ContactState, Interface
+from .interface import TOUCHING, ContactState, Interface
 from .laws import InterfaceLaw, Status
 from .multipliers import Nodes
 from .penalty import Penalty, chosen
@@ -37,9 +37,7 @@ from .symmetry import mirrored
 NamedFit = Literal["as meshed", "adjusted", "ramped"]
 Fit = NamedFit | float
 
-#: Gaps of the mesh below this share of the slave segment are round-off: such bodies touch.
-TOUCHING = 1e-8
-#: Gaps below this share of it are those of one surface meshed twice.
+#: Gaps below this share of the slave segment are those of one surface meshed twice.
 _ADJUSTED = 0.5
 #: Gauss points on each facet, in the plane and in space, of a surface that touches itself.
 _POINTS = {2: 5, 3: 3}

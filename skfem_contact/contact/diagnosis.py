@@ -13,8 +13,8 @@ from ..checks import format_point
 from ..errors import Remark
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import dot
-from .base import TOUCHING, ContactBase
-from .interface import ContactState
+from .base import ContactBase
+from .interface import TOUCHING, ContactState
 from .laws import Status
 from .quadrature import SlavePoints
 from .ripple import on_peaks, on_ripple

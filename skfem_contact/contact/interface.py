@@ -35,6 +35,8 @@ from .symmetry import Plane
 _MOVED = 1e-3
 #: ... but not more often than this in an increment: cuts may chatter.
 RECUTS = 8
+#: Gaps of the mesh below this share of the slave segment are round-off: such bodies touch.
+TOUCHING = 1e-8
 #: A gap below this share of the coordinates is nothing: bodies that touch unloaded still touch when
 #: they move.
 ROUND_OFF = 8 * np.finfo(float).eps
@@ -567,10 +569,11 @@ class Interface:
     def clearance_between(self, cuts: ndarray, others: ndarray, at: ndarray) -> ndarray:
         """Return by how much clearances at points of other cuts differ from those numbered `at`.
 
-        The clearance of an adjusted point is its gap in the mesh. In the plane it is interpolated.
+        The clearance of an adjusted point is its gap in the mesh, of others round-off. In the plane
+        it is interpolated.
         """
         points = self.points(others)
-        if self.slave.dim == 2 or not self.adjusted:
+        if self.slave.dim == 2 or self.adjusted <= TOUCHING:
             return np.zeros(len(points.size))
         before = self.in_mesh(cuts).gap[at]
         after = self.in_mesh(others).gap

@@ -140,7 +140,7 @@ def nodal(surface: Surface) -> SlavePoints:
     # Integrate the shape functions for the tributary areas
     points = _repeated(surface, np.arange(len(surface.facets)), *rule(surface.shape, 3))
     values = points.values
-    if _has_six_nodes(surface):
+    if len(surface.shape.nodes) == 6:
         values = _of_sides(surface.shape, points.xi)
     shares = points.weight[:, None] * values
     weight = np.bincount(points.nodes.ravel(), shares.ravel())
@@ -177,17 +177,12 @@ def nodal(surface: Surface) -> SlavePoints:
     )
 
 
-def _has_six_nodes(surface: Surface) -> bool:
-    """Return True for triangles of second order."""
-    return surface.dim == 3 and len(surface.shape.nodes) == 6
-
-
 def _of_sides(shape: Shape, xi: ndarray) -> ndarray:
-    """Return the functions of Crouzeix and Raviart of the nodes on the sides, shape (n, 6).
+    """Return functions of Crouzeix and Raviart of triangles of six nodes, shape (n, 6).
 
-    They are linear, one at their node and zero at the two others. On flat triangles they have the
-    integrals of the shape functions, a third for each side. On curved ones those of the corners
-    are small and have either sign.
+    Those of the sides are linear, one at their node and zero at the two others. On flat triangles
+    they have the integrals of the shape functions, a third for each side. On curved ones those of
+    the corners are small and have either sign.
     """
     linear = np.column_stack([np.ones(len(xi)), xi])
     at_sides = np.column_stack([np.ones(3), shape.nodes[3:]])

@@ -179,13 +179,13 @@ def _at(
     if labels:
         columns["point"] = np.array(labels)
     columns |= zip("xyz", coordinates.T)
-    outside = np.zeros(len(coordinates), bool)
+    missing = np.zeros(len(coordinates), bool)
     if shell:
         columns |= on_shell(stage, shell, coordinates, quantity, since)
     else:
-        values, outside = _values(stage, coordinates, quantity, since, water, of, gaps)
+        values, missing = _values(stage, coordinates, quantity, since, water, of, gaps)
         columns |= values
-    return PointValues(columns, titles, stage.name), outside
+    return PointValues(columns, titles, stage.name), missing
 
 
 def along_line(
@@ -237,7 +237,7 @@ def through_stages(
         parts += (increments and stage.increments) or (stage,)
     each = [_at(part, points, quantity, None, water, of, gaps=True) for part in parts]
     found = [values for values, _ in each]
-    _check_gaps(parts, found[0], np.array([outside for _, outside in each]))
+    _check_gaps(parts, found[0], np.array([missing for _, missing in each]))
 
     # Put the stage and its time before the columns of every part.
     columns: dict[str, list[Any]] = {"stage": [], "time": [], "load": []}
@@ -361,20 +361,20 @@ def _values(
     return found, missing
 
 
-def _check_gaps(parts: Sequence[StageData], values: PointValues, outside: ndarray) -> None:
+def _check_gaps(parts: Sequence[StageData], values: PointValues, missing: ndarray) -> None:
     """Refuse points outside of the bodies in all parts, (parts, n), and warn of those in some."""
-    n = outside.shape[1]
-    never = np.flatnonzero(outside.all(axis=0))
+    n = missing.shape[1]
+    never = np.flatnonzero(missing.all(axis=0))
     if len(never):
         first = np.array([values[axis][never[0]] for axis in "xyz" if axis in values.columns])
         raise ValueError(
             f"{len(never)} of {n} points lie outside of the bodies of all stages: the first is "
             f"{format_point(first)}"
         )
-    if outside.any():
-        k = int(outside.any(axis=1).argmax())
+    if missing.any():
+        k = int(missing.any(axis=1).argmax())
         warn(
-            f"{outside[k].sum()} of {n} points lie outside of the active bodies in stage "
+            f"{missing[k].sum()} of {n} points lie outside of the active bodies in stage "
             f"'{parts[k].name}': they have NaN where no body holds them"
         )
 
