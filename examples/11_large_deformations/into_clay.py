@@ -47,7 +47,7 @@ def pushed(build, size, wide, deep, way, n, every=5):
     for k in range(1, n + 1):
         u = np.zeros(model.layout.size)
         u[bottom_of(model.forms)] = k * way
-        stages.append(sc.Stage(f"w = {k * way:.2f}", prescribed=u, increments=5))
+        stages.append(sc.Stage(f"w = {k * way:.2f}", prescribed=u, increments=3))
     return model.run(stages, remesh=sc.Remeshing(build, size, every=every))
 
 
