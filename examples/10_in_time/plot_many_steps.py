@@ -66,7 +66,7 @@ def swing(model, steps):
     return found.energy, (more - less) / (last - first)
 
 
-counts = {"held": 100_000 if full else 4_000, "on a plane": 100_000 if full else 400}
+counts = {"held": 100_000 if full else 2_000, "on a plane": 100_000 if full else 400}
 rows = []
 fig, ax = plt.subplots(figsize=(7, 3), layout="constrained")
 for (name, steps), model in zip(counts.items(), (held, stands)):

@@ -136,11 +136,11 @@ def decoupled(E, record):
 # %%
 # Two records
 # -----------
-# Two cycles of 2.5 Hz, and a synthetic record. The rock slides like the block within 1 %. Ground
-# whose first frequency comes near to the one of the record slides 1.7 to 2.6 times as far; stiffer
-# soil, with ``--full``, 1.2 to 1.4 times. The
-# decoupled analysis finds a part of this: slip changes the vibration as well. Steps are short for
-# the pulses of the record: with 0.01 s the rock slides 10 % farther in the synthetic one.
+# Two cycles of 2.5 Hz, and a synthetic record. The rock slides like the block within 1 % (in the
+# synthetic record with ``--full``). Ground whose first frequency comes near to the one of the record
+# slides 1.7 to 2.6 times as far; stiffer soil, with ``--full``, 1.2 to 1.4 times. The decoupled
+# analysis finds a part of this: slip changes the vibration as well. Steps are short for the pulses
+# of the record: with 0.01 s the rock slides 10 % farther in the synthetic one.
 
 step = 0.005
 t = step * np.arange(201)
@@ -148,18 +148,19 @@ records = {
     "sine": sc.Record(step, 0.4 * g * np.sin(5 * np.pi * t) * (t <= 0.8)),
     "synthetic": sc.Record.synthetic(peak=4.0, duration=2.0, step=0.01).resampled(step),
 }
-moduli = {"rock": 1e7, "soft soil": 2e4}
+moduli = {"rock": 1e7, "stiff soil": 1e5, "soft soil": 2e4}
+grounds = {"sine": ["rock", "soft soil"], "synthetic": ["soft soil"]}
 if "--full" in sys.argv:
-    moduli["stiff soil"] = 1e5
+    grounds = {name: list(moduli) for name in records}
 
 fig, axes = plt.subplots(1, 2, figsize=(8, 3.5), layout="constrained")
 slips = {}
 for ax, (name, record) in zip(axes, records.items()):
     rigid = rigid_block(record.step, record.values)
     ax.axhline(rigid, color="k", lw=3, alpha=0.3, label="rigid block")
-    for ground, E in moduli.items():
-        time, slip = coupled(E, record)
-        f, other = decoupled(E, record)
+    for ground in grounds[name]:
+        time, slip = coupled(moduli[ground], record)
+        f, other = decoupled(moduli[ground], record)
         slips[name, ground] = slip[-1] / rigid, other / rigid
         ax.plot(time, slip, label=f"{ground}, {f:.1f} Hz")
         print(
@@ -173,14 +174,16 @@ axes[0].legend(frameon=False)
 # sphinx_gallery_start_ignore
 import json
 
-error = {name: abs(slips[name, "rock"][0] - 1) for name in records}
+error = {name: abs(ratio - 1) for (name, ground), (ratio, _) in slips.items() if ground == "rock"}
 assert abs(k_y / np.tan(phi - dip) - 1) < 0.01
 assert max(error.values()) < 0.02, error
 for name in records:
-    ratios = np.array([slips[name, ground] for ground in sorted(moduli, key=moduli.get)[::-1]])
+    ratios = np.array([slips[name, ground] for ground in grounds[name]])
     assert (np.diff(ratios, axis=0) > 0.05).all(), ratios  # the softer, the farther
-    assert abs(ratios[0, 1] - 1) < 0.01
-    assert (ratios[1:, 1] < ratios[1:, 0]).all()
+    if "rock" in grounds[name]:
+        assert abs(ratios[0, 1] - 1) < 0.01
+    assert ratios[-1, 1] < ratios[-1, 0]
+    assert ratios[-1, 0] > 1.7
 print(
     json.dumps(
         {
@@ -194,7 +197,7 @@ print(
                     "cpu_s": None,
                     "iterations": 0,
                 }
-                for name in records
+                for name in error
             ],
         }
     )
