@@ -136,11 +136,11 @@ def decoupled(E, record):
 # %%
 # Two records
 # -----------
-# Two cycles of 2.5 Hz, and a synthetic record. The rock slides like the block within 1 % (in the
-# synthetic record with ``--full``). Ground whose first frequency comes near to the one of the record
-# slides 1.7 to 2.6 times as far; stiffer soil, with ``--full``, 1.2 to 1.4 times. The decoupled
-# analysis finds a part of this: slip changes the vibration as well. Steps are short for the pulses
-# of the record: with 0.01 s the rock slides 10 % farther in the synthetic one.
+# Two cycles of 2.5 Hz, and a synthetic record. The rock slides like the block within 1 %, with
+# ``--full`` in both. Ground whose first frequency comes near to the one of the record slides 1.7 to
+# 2.6 times as far; stiffer soil, with ``--full``, 1.2 to 1.4 times. The decoupled analysis finds a
+# part of this: slip changes the vibration as well. Steps are short for the pulses of the record:
+# with 0.01 s the rock slides 10 % farther in the synthetic one.
 
 step = 0.005
 t = step * np.arange(201)
