@@ -174,13 +174,22 @@ def _split(scene: Scene, model: Model, result: Result) -> Pairs:
 
 def _path(scene: Scene, model: Model, result: Result) -> Pairs:
     """Without friction and yielding the way does not matter: the first stage in three increments,
-    or in one.
+    or in one. Gaps between nodes are left to the penalty, which augmented multipliers choose by
+    their progress.
     """
     if not (scene.frictionless and scene.elastic and not scene.bonded and scene.built != "cap"):
         return []
     first = model.stages[0]
     one, three = (model.run([replace(first, increments=n)])[-1] for n in (1, 3))
+    if _penalties(one) != _penalties(three):
+        return []
     return [(one, three.x)]
+
+
+def _penalties(stage: StageResult) -> list[list[float]]:
+    """The factors of the penalties of each pair."""
+    states = stage.states.values()
+    return [state.penalty_factor.tolist() for state in states if isinstance(state, ContactState)]
 
 
 def _nothing(scene: Scene, model: Model, result: Result) -> Pairs:
