@@ -18,7 +18,6 @@ from ..surfaces.material_points import (
     along_chain,
     arc_distance,
     distance,
-    moved_along,
     offset_back,
 )
 from ..surfaces.surface import Surface
@@ -519,52 +518,73 @@ class Interface:
         stick = offset_back(self.master, self.master.nodes, tangents, state.closest, slip.T)
         return state.with_stick(stick)
 
-    def follow(self, state: ContactState, x: ndarray) -> ContactState | None:
-        """Return the state at cuts that follow the bodies to x; None where these hardly move."""
+    def follow(self, state: ContactState, found: ContactState, x: ndarray) -> ContactState | None:
+        """Return an accepted state at cuts that follow the bodies to x; None if these hardly move.
+
+        The `found` state is at x between the old cuts.
+        """
         cuts = self.cuts(x)
         if len(cuts) == 0 or changed(state.cuts, cuts) <= _MOVED:
             return None
-        return self.transferred(state, cuts, x)
+        origin = self._origin(state, found, x, cuts)
+        elastic = self.elastic_slip(state)
+        (elastic,) = self.interpolated(self.points(state.cuts), self.points(cuts), (elastic,))
+        state = replace(
+            self.transferred(state, cuts), facet=origin.facet, position=origin.xi.T
+        ).with_stick(origin)
+        # The clearance of round facets follows from the new coordinates.
+        rounded = self.faceting(self.points(cuts), origin)
+        state = replace(state, clearance=state.clearance + rounded, rounded=rounded)
+        return self.with_elastic_slip(state, elastic)
 
-    def transferred(self, state: ContactState, cuts: ndarray, x: ndarray | None) -> ContactState:
-        """Return the state at points between other cuts, at displacements x.
+    def _origin(
+        self, state: ContactState, found: ContactState, x: ndarray, cuts: ndarray
+    ) -> MaterialPoints:
+        """Return where closest points between new cuts were when a state was accepted.
 
-        Positions on the master and fields that are not smooth come from the nearest old point that
-        is no sliver's.
+        They have slid since as far as the points of the found state.
+        """
+        old = self.points(state.cuts)
+        new = self.points(cuts)
+        at = self.nearest(old, new)
+        slid = self._distance(state.cuts, found.closest, state.closest)
+        (slid,) = self.interpolated(old, new, (slid,))
+        closest = self.closest(x, cuts).closest
+        # A point comes from its own facet where the one beside it has stayed on its facet.
+        stayed = (found.facet == state.facet)[at]
+        before = state.closest.take(at)
+        near = MaterialPoints(
+            np.where(stayed, closest.facet, before.facet),
+            np.where(stayed[:, None], closest.xi, before.xi),
+        )
+        tangents = self._tangents(new, closest)
+        return offset_back(self.master, self.master.nodes, tangents, closest, slid.T, near)
+
+    def transferred(self, state: ContactState, cuts: ndarray) -> ContactState:
+        """Return the fields of a state at points between other cuts, without points of the master.
+
+        Fields that are not smooth come from the nearest old point that is no sliver's. The
+        clearance lacks the part of round facets.
         """
         # Interpolate tractions and slips between the points of both cuts.
         old = self.points(state.cuts)
         new = self.points(cuts)
-        elastic = self.elastic_slip(state)
         clearance = state.clearance - state.rounded
-        slip, closing_slip, traction, clearance, elastic = self.interpolated(
-            old, new, (state.slip, state.closing_slip, state.traction, clearance, elastic)
+        slip, closing_slip, traction, clearance = self.interpolated(
+            old, new, (state.slip, state.closing_slip, state.traction, clearance)
         )
         at = self.nearest(old, new)
-        clearance = clearance + self.clearance_between(state.cuts, cuts, at)
-        # Place the new points on the master.
-        slave, master = self.positions(x)
-        motion = new.positions(slave) - old.positions(slave)[at]
-        closest = moved_along(self.master, master, state.closest.take(at), motion)
-        # The clearance of round facets follows from the new coordinates.
-        rounded = self.faceting(new, closest)
-        state = replace(
+        return replace(
             state,
-            facet=closest.facet,
-            position=closest.xi.T,
             gap=state.gap[at],
             status=state.status[at],
             internal=state.internal[:, at],
             slip=slip,
             closing_slip=closing_slip,
             traction=traction,
-            clearance=clearance + rounded,
-            rounded=rounded,
-            stick_facet=closest.facet,
-            stick_point=closest.xi.T,
+            clearance=clearance + self.clearance_between(state.cuts, cuts, at),
             cuts=cuts,
         )
-        return self.with_elastic_slip(state, elastic)
 
     def clearance_between(self, cuts: ndarray, others: ndarray, at: ndarray) -> ndarray:
         """Return by how much clearances at points of other cuts differ from those numbered `at`.

@@ -234,7 +234,7 @@ class ContactPair(ContactBase):
 
         # Let the cuts follow the bodies, with the values of the nearest points
         if self._recuts < RECUTS:
-            cut = self.interface.follow(state, x)
+            cut = self.interface.follow(state, found, x)
         else:
             cut = None
         if cut is not None:
@@ -376,8 +376,9 @@ class ContactPair(ContactBase):
                 self.points(state), self.points(home), (excess, elastic)
             )
             state = replace(
-                interface.transferred(state, home.cuts, None),
+                interface.transferred(state, home.cuts),
                 clearance=np.zeros(len(excess)),
+                rounded=interface.faceting(self.points(home), home.closest),
                 gap=excess,
             )
 

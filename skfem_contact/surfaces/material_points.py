@@ -94,31 +94,25 @@ def offset_back(
     tangents: ndarray,
     point: MaterialPoints,
     slip: ndarray,
+    near: MaterialPoints | None = None,
 ) -> MaterialPoints:
-    """Return points of the same facets from which these have a slip along tangents, (n, dim - 1).
+    """Return points from which these have a slip along tangents, (n, dim - 1).
 
-    Newton's method solves ``tangents . (start - x(xi)) = slip``.
+    They are on the facets of points `near` them, by default of these points themselves, from which
+    Newton's method begins.
     """
-    xi = point.known
+    if near is None:
+        near = point
+    facet = near.facet
+    xi = near.known
     start = point.positions(surface, nodes)
     # Newton's method for tangents . (start - x) = slip.
     for _ in range(_NEWTON_STEPS):
-        mapping = surface.at(point.facet, xi, nodes)
+        mapping = surface.at(facet, xi, nodes)
         missing = np.einsum("nic,nc->ni", tangents, start - mapping.x[0]) - slip
         step = solve(products(tangents, mapping.x[1]), missing)
         xi = xi + step
         if surface.shape.affine or max_abs(step) < _EXACT:
             break
-    return MaterialPoints(point.facet, np.where(point.exist[:, None], xi, np.nan))
-
-
-def moved_along(
-    surface: Surface,
-    nodes: ndarray,
-    points: MaterialPoints,
-    motion: ndarray,
-) -> MaterialPoints:
-    """Return the points moved by a motion, (n, dim), along the surface, to the first order."""
-    a = surface.at(points.facet, points.known, nodes).x[1]  # (n, dim - 1, dim)
-    step = solve(products(a, a), np.einsum("nac,nc->na", a, motion))
-    return MaterialPoints(points.facet, points.xi + step)
+    exist = point.exist & near.exist
+    return MaterialPoints(np.where(exist, facet, -1), np.where(exist[:, None], xi, np.nan))
