@@ -176,7 +176,7 @@ def frame_of(beam: Any, forms: Mapping[str, Any]) -> tuple[list[Any], list[Field
     for form in forms.values():
         if isinstance(form, type(beam)):
             beams.append(form)
-        elif _acts_anywhere(form):
+        elif acts_anywhere(form):
             return [], []
         else:
             touched.update(borrowed_by(form))
@@ -194,7 +194,7 @@ def taken_elsewhere(beam: Any, frame: Sequence[Any]) -> Iterator[tuple[Field, nd
                 yield field, indices
 
 
-def _acts_anywhere(form: Any) -> bool:
+def acts_anywhere(form: Any) -> bool:
     """Return True if a form does not name the dofs that it acts on."""
     known = isinstance(form, Body | Touching) or form.size is not None
     return not (known or borrowed_by(form) or form.fields)

@@ -15,6 +15,7 @@ from typing_extensions import Self
 
 from .. import loads
 from ..arrays import max_abs
+from ..beams.reinforcement import refuse_loose
 from ..checks import is_number, positive, unit_vector
 from ..errors import Remark, warn
 from ..forms.base import Form, Forms, as_forms, solids_of
@@ -410,6 +411,7 @@ class Setup:
                 held = np.arange(self.layout.size)
             for remark in form.check_stage(fixed, held, duration):
                 yield replace(remark, text=f"{name}: {remark.text}")
+        refuse_loose(active, np.union1d(fixed, inactive))
         yield from hinged(active, fixed)
 
     def system(self, forms: Forms, fixed: ndarray) -> System:

@@ -269,16 +269,39 @@ def test_factors_do_not_depend_on_the_stiffness_of_nails():
     assert np.ptp(factors) < 0.005  # half of the search's tolerance
 
 
-def test_reinforcement_that_nothing_holds_is_named_by_searches() -> None:
-    """A line of reinforcement without bond or contact moves freely: messages say where it is."""
+def test_reinforcement_that_nothing_holds_is_named() -> None:
+    """A line of reinforcement without bond or contact moves freely, which is refused by its name,
+    also where it is activated without a change of load; ends that supports hold leave its middle.
+    """
     mesh = MeshTri.init_tensor(np.linspace(0, 4, 5), np.linspace(0, 2, 3)).with_defaults()
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    grid = sc.Reinforcement(None, [(0.5, 1.0), (1.0, 1.0), (1.5, 1.0)], EA=500.0)
     forms = {
         "soil": sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=0.3, c=50.0, phi=30.0)),
-        "grid": sc.Reinforcement(None, [(0.5, 1.0), (1.0, 1.0), (1.5, 1.0)], EA=500.0),
+        "grid": grid,
+        "anchor": sc.Bar(basis, grid.at((1.0, 1.0)), (1.0, 0.0), EA=1.0),
     }
-    model = sc.Model(forms, sc.box_supports(basis))
-    load = model.traction("top", (0.0, -1.0))
-    for search in (model.is_stable, model.strength_reduction):
+    box = sc.box_supports(basis)
+    alone = sc.Model({name: forms[name] for name in ("soil", "grid")}, box)
+    load = alone.traction("top", (0.0, -1.0))
+    freely = r"'grid' moves freely at \(1\.25, 1\), for nothing acts on its nodes"
+    for search in (alone.is_stable, alone.strength_reduction, alone.limit_load):
+        with pytest.raises(ValueError, match=freely):
+            search(load)
+    later = [
+        sc.Stage("load", load, deactivate=["grid", "anchor"]),
+        sc.Stage("grid", load, activate="grid"),
+    ]
+    with pytest.raises(ValueError, match=f"stage 'grid'.*{freely}"):
+        sc.Model(forms, box).run(later)
+    ends = [*grid.dofs((0.5, 1.0)), *grid.dofs((1.5, 1.0))]
+    with pytest.raises(ValueError, match="'grid' moves freely at"):
+        sc.Model({name: forms[name] for name in ("soil", "grid")}, [box, *ends]).run(
+            [sc.Stage("load", load)]
+        )
+
+    # an anchor across it at one node leaves the others: what is singular has coordinates
+    held = sc.Model(forms, box)
+    for search in (held.is_stable, held.strength_reduction):
         with pytest.raises(sc.NotConverged, match=r"displacement of reinforcement at \(0.5, 1\)"):
             search(load)
