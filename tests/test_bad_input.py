@@ -126,7 +126,7 @@ def test_slave_and_master_that_face_the_same_way(slave, master):
 
 
 def test_slave_and_master_that_share_nodes():
-    with pytest.raises(ValueError, match="slave 'a:left' and master 'a:top' share nodes"):
+    with pytest.raises(ValueError, match="slave 'a:left' and master 'a:top' share 1 nodes"):
         pair(slave="a:left")
 
 

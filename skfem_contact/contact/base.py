@@ -14,7 +14,7 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 from typing_extensions import Self, override
 
-from ..checks import check_basis, is_number
+from ..checks import check_basis, format_point, is_number
 from ..forms.base import Form, Forms
 from ..forms.roles import Dissipating, Reducible, Regularised, Staged, Stiff, Touching, having
 from ..sparse import Gathering
@@ -497,13 +497,8 @@ def _check_surfaces(slave: Surface, master: Surface) -> None:
         raise ValueError(
             f"both '{slave.name}' and '{master.name}' are rigid: at least one surface needs dofs"
         )
-    known = slave.dofs[slave.dofs >= 0]
-    if not (slave.fields or master.fields) and np.isin(known, master.dofs).any():
-        raise ValueError(
-            f"slave '{slave.name}' and master '{master.name}' share nodes: a body cannot touch "
-            "itself there; separate the bodies with join_bodies, or give the whole boundary of a "
-            "body that folds as both"
-        )
+    if not (slave.fields or master.fields):
+        _check_apart(slave, master)
     # Compare each facet of the slave with the nearest one; a run refuses what is not finite
     slave_centres = np.nan_to_num(slave.centres.x[0])
     master_centres = np.nan_to_num(master.centres.x[0])
@@ -515,6 +510,20 @@ def _check_surfaces(slave: Surface, master: Surface) -> None:
             "take the boundary on the other side of the body; a rigid line is free to the left of "
             "its way"
         )
+
+
+def _check_apart(slave: Surface, master: Surface) -> None:
+    """Refuse numbered surfaces with common nodes, of common facets or where they meet."""
+    common = (np.isin(slave.dofs, master.dofs) & (slave.dofs >= 0)).any(axis=1)
+    if not common.any():
+        return
+    advice = "leave the facets there out of one of them, as at the inner tips of a slit"
+    if common[slave.facets].all(axis=1).any():
+        advice = "give the whole boundary of a body that folds as both"
+    raise ValueError(
+        f"slave '{slave.name}' and master '{master.name}' share {common.sum()} nodes, as at "
+        f"{format_point(slave.nodes[common][0])}: a body cannot touch itself there; {advice}"
+    )
 
 
 def _check_fold(surface: Surface) -> None:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
+from skfem import MeshTri
 
 import skfem_contact as sc
 from tests.tools.helpers import vector_basis
@@ -18,3 +22,39 @@ def test_pair_of_another_mesh_is_named():
         sc.Model(
             {"both": sc.SolidForm(basis, ELASTIC), "joint": joint}, basis.get_dofs("l:bottom").all()
         )
+
+
+def test_slit_with_inner_tips_touches_without_the_facets_at_them():
+    """Sides that meet at the tips are refused, unlike welded bodies: without the facets there the
+    slit of a pressed block is closed, as the message says.
+    """
+    line = np.linspace(0, 1, 17)
+    level = {"slit": lambda x: (x[1] == 0.5) & (abs(x[0] - 0.5) < 0.3)}
+    mesh = MeshTri.init_tensor(line, line).with_boundaries(level, False).with_defaults()
+    mesh = sc.split_along(mesh, "slit")
+    above = mesh.boundaries["slit|above"]
+    middle = mesh.p[0, mesh.facets[:, above]].mean(axis=0)
+    mesh = replace(mesh, _boundaries={**mesh.boundaries, "inner": above[abs(middle - 0.5) < 0.25]})
+    basis = vector_basis(mesh, "P2")
+    advice = r"share 2 nodes, as at \(0.1875, 0.5\).*the facets there out.*tips of a slit"
+    with pytest.raises(ValueError, match=advice):
+        sc.ContactPair(basis, "slit|above", "slit|below", sc.Coulomb())
+
+    forms = {
+        "block": sc.SolidForm(basis, ELASTIC),
+        "slit": sc.ContactPair(basis, "inner", "slit|below", sc.Coulomb()),
+    }
+    fixed = [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")]
+    model = sc.Model(forms, fixed)
+    load = model.traction("top", (0.0, -1.0))
+    found = model.run([sc.Stage("pressed", load)], progress=False)["pressed"].tractions("slit")
+    # the facets at the tips are open: their pressure, a fifth, acts on both sides of them
+    assert found.pressure.min() > 0.5
+    assert found.pressure @ found.weight == pytest.approx(0.625, rel=0.15)
+
+
+def test_surfaces_with_common_facets_are_one_that_folds():
+    sides = {"skin": lambda x: x[0] < 2, "top": lambda x: x[1] == 1.0}
+    mesh = MeshTri().refined(2).with_boundaries(sides)
+    with pytest.raises(ValueError, match=r"share 9 nodes.*give the whole boundary .* as both"):
+        sc.ContactPair(vector_basis(mesh, "P2"), "top", "skin", sc.Coulomb())

@@ -433,7 +433,7 @@ NO_SURFACE = {
         lambda: sc.ContactPair(
             space.facing("P2", np.random.default_rng(1)), "lower:top", "lower:left", sc.Coulomb()
         ),
-        "share nodes",
+        "leave the facets there out of one of them",
     ),
     "a flat triangle": (lambda: collapsed("triangle"), r"'skin': facets without area at \[\[1"),
     "a flat quadrilateral": (
