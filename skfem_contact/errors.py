@@ -63,6 +63,10 @@ class NotConverged(RuntimeError):
         self.dof = dof
         self.cycle = tuple(cycle)
 
+    def saying(self, message: str) -> NotConverged:
+        """Return the failure with another message."""
+        return type(self)(message, self.x, self.residuals, self.dof, self.cycle)
+
 
 class NoEquilibrium(NotConverged):
     """Collapse under a load: displacements grow without bound.

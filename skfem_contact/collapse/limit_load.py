@@ -254,6 +254,7 @@ def _added(
 def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: SearchLog) -> Point:
     """Return the first loaded equilibrium."""
     # halve the step until an equilibrium is found
+    error: NotConverged | None = None
     for cut in range(_CUTS):
         multiplier = step * 0.5**cut
         system, load = branch.at(multiplier)
@@ -261,17 +262,20 @@ def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: Searc
             fixed = origin.x[system.fixed]
             step_to = Step(system, origin.x, origin.states, load, fixed)
             result = step_to.equilibrium(newton, Attempt(("energy",), at_least=1))
-        except NotConverged as error:
-            log.reject(multiplier, error, 0.0)
+        except NotConverged as reason:
+            error = reason
+            log.reject(multiplier, reason, 0.0)
             continue
         work = system.work(branch.reference, result.x - origin.x)
         point = Point(result.x, result.states, multiplier, work, result.residuals)
         log.accept(point)
         return point
-    raise NotConverged(
+    assert error is not None
+    where = branch.system.layout.located(error.dof)
+    raise error.saying(
         f"no equilibrium was found under {multiplier:g} times the reference load; is the structure "
-        "stable without it?"
-    )
+        f"stable without it? {error}{where}"
+    ) from error
 
 
 def is_stable(
@@ -312,9 +316,7 @@ def is_stable(
         except NotConverged as error:
             failure = as_collapse(error, system, origin.x, origin.states, whole, newton)
             if not isinstance(failure, NoEquilibrium) or failure.x is None:
-                text = f"{error}{system.layout.located(error.dof)}"
-                found = error.x, error.residuals, error.dof, error.cycle
-                raise type(error)(text, *found) from error
+                raise error.saying(f"{error}{system.layout.located(error.dof)}") from error
             states = system.evaluate(failure.x, origin.states, whole).states
             warn_of_errors(system, failure.x, states)
             return False

@@ -648,10 +648,10 @@ def _first(
     where = branch.system.layout.located(error.dof)
     most = f"{1 / _FIRST[-1]:g} times its strength"
     if isinstance(error, NoEquilibrium):
-        raise NotConverged(
+        raise error.saying(
             f"the structure does not resist its load even with {most}: {error}"
         ) from error
-    raise NotConverged(
+    raise error.saying(
         f"no equilibrium to start from was found, with up to {most}, and no collapse either; put "
         f"the load on in stages and give their result as `start`: {error}{where}"
     ) from error

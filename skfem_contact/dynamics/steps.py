@@ -102,7 +102,7 @@ class Steps:
         self._waits = _PATIENCE
         self.failed = True
         if self._size == 0:
-            raise NotConverged(
+            raise error.saying(
                 f"{where}, {self.fraction:.2%} of its duration, where steps of 1/{PARTS} of "
                 f"{self._longest:g} find no equilibrium: {error}"
             ) from error

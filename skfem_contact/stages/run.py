@@ -570,7 +570,7 @@ def _along(
             logger.info(text, way, fraction, stepping.size, error)
             if stepping.exhausted:
                 where = system.layout.located(error.dof)
-                raise NotConverged(
+                raise error.saying(
                     f"{way} {stepping}: {error}{where}{_so_far(system, last)}"
                 ) from error
             continue

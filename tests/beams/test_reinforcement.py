@@ -302,6 +302,6 @@ def test_reinforcement_that_nothing_holds_is_named() -> None:
 
     # an anchor across it at one node leaves the others: what is singular has coordinates
     held = sc.Model(forms, box)
-    for search in (held.is_stable, held.strength_reduction):
+    for search in (held.is_stable, held.strength_reduction, held.limit_load):
         with pytest.raises(sc.NotConverged, match=r"displacement of reinforcement at \(0.5, 1\)"):
             search(load)

@@ -8,6 +8,7 @@ from scipy.sparse.linalg import spsolve
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.errors import NoEquilibrium
 
 ERRORS = [KeyboardInterrupt(), RuntimeError("licence")]
 
@@ -100,11 +101,25 @@ def test_nothing_accepted_is_the_start(column):
 
 
 def test_search_that_stops_by_itself(column):
-    """[X] A structure that does not resist its load: the failed steps are in the error."""
+    """[X] A structure that does not resist its load: the failed steps are in the error, with the
+    displacements and residuals of the last one, which a run and a limit load have as well.
+    """
     model, load = column
-    with pytest.raises(sc.NotConverged, match="does not resist its load") as stop:
+    with pytest.raises(NoEquilibrium, match="does not resist its load") as stop:
         model.strength_reduction(100.0 * load, progress=False)
-    assert {step.outcome for step in stop.value.result.steps} == {"collapse"}
+    steps = stop.value.result.steps
+    assert {step.outcome for step in steps} == {"collapse"}
+    assert np.linalg.norm(stop.value.x) > 0.0
+    assert len(stop.value.residuals) == steps[-1].iterations + 1
+
+    weak = sc.Model(model.forms, model.fixed, newton=sc.Newton(max_iterations=1))
+    stage = [sc.Stage("whole", 100.0 * load)]
+    runs = (lambda: weak.run(stage, progress=False), lambda: weak.limit_load(load, step=1e9))
+    for run in runs:
+        with pytest.raises(sc.NotConverged) as stop:
+            run()
+        assert np.linalg.norm(stop.value.x) > 0.0
+        assert len(stop.value.residuals) > 1
 
 
 def test_error_of_a_solver(column):
