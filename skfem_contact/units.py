@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from .checks import nearest
 from .errors import warn
 
@@ -39,9 +41,19 @@ _KINDS = {
     "position": "length",
     "unit weight": "weight",
     "skin": "line",
+    "force": "force",
 }
 #: Kinds of the units of section forces in space, of whole members.
 _IN_SPACE = {"N": "force", "V": "force", "M": "couple", "T": "couple"}
+#: Extent to which forces and stiffnesses of a form belong: a whole member, a unit of length out of
+#: the plane, or a radian about the axis.
+Extent = Literal["member", "length", "radian"]
+#: Kinds of the units of quantities of a member, per length and per radian.
+_PER = {
+    "member": {},
+    "length": {"force": "line", "couple": "moment", "bending": "bending per length"},
+    "radian": {"force": "force per radian"},
+}
 #: Kinds of the units of parameters of laws and structures by their names.
 _PARAMETERS = {
     **dict.fromkeys(
@@ -67,7 +79,9 @@ _PARAMETERS = {
         "stress",
     ),
     **dict.fromkeys(("phi", "psi", "phi_end"), "angle"),
-    **dict.fromkeys(("yield_force", "jack", "F_base"), "force"),
+    **dict.fromkeys(("yield_force", "jack", "F_base", "EA", "GA", "Np"), "force"),
+    **dict.fromkeys(("EI", "GJ"), "bending"),
+    "Mp": "couple",
     **dict.fromkeys(("spacing", "diameter"), "length"),
     **dict.fromkeys(("T_max", "p_max"), "line"),
     "unit_weight": "weight",
@@ -127,6 +141,13 @@ def set_units(
             line=f"{force}/{length}",
             moment=f"{force}{length}/{length}",
             couple=f"{force}{length}",
+            bending=f"{force}{length}²",
+        )
+        chosen.update(
+            {
+                "force per radian": f"{force}/rad",
+                "bending per length": f"{force}{length}²/{length}",
+            }
         )
     if stress is not None:
         chosen["stress"] = stress
@@ -153,12 +174,17 @@ def unit_of(kind: str) -> str:
     return _chosen.get(kind, "")
 
 
-def unit_of_parameter(name: str) -> str:
+def unit_of_parameter(name: str, extent: Extent = "member") -> str:
     """Return the unit of a parameter of a law or structure, empty where it has none."""
     kind = _PARAMETERS.get(name, "")
     if kind == "angle":
         return "°"
-    return unit_of(kind)
+    return unit_of(kind_per(kind, extent))
+
+
+def kind_per(kind: str, extent: Extent) -> str:
+    """Return the kind of the unit of what is of a kind for a whole member."""
+    return _PER[extent].get(kind, kind)
 
 
 def kind_of(title: str, in_space: bool = False) -> str:

@@ -7,10 +7,11 @@ import warnings
 
 import numpy as np
 import pytest
-from skfem import MeshTri
+from skfem import Basis, ElementQuad1, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.plot import report_tables
 from tests.tools.helpers import grid, vector_basis
 
 
@@ -250,6 +251,48 @@ def test_both_ends_of_a_bar_have_the_unit_of_length(without_units):
     sc.set_units("kN", "m")
     titles = stage.table("bar").titles
     assert titles[:4] == ("x [m]", "y [m]", "end x [m]", "end y [m]")
+
+
+@pytest.mark.parametrize(
+    "spacing, coordinates, unit",
+    [
+        (None, "plane", "kN/m"),
+        (2.0, "plane", "kN"),
+        (None, "axisymmetric", "kN/rad"),
+        (np.pi, "axisymmetric", "kN"),
+    ],
+)
+def test_forces_of_bars_are_of_a_member_or_of_a_length(
+    spacing, coordinates, unit, without_units
+) -> None:
+    """With a spacing forces are of one member, else per length out of the plane or per radian."""
+    basis = Basis(MeshQuad().translated((1.0, 0.0)), ElementVector(ElementQuad1()), intorder=2)
+    solid = sc.SolidForm(basis, sc.LinearElastic(1e4, 0.0), coordinates=coordinates)
+    tie = sc.Bar(basis, (2.0, 1.0), (2.0, 3.0), EA=1e3, fixed_end=True, spacing=spacing)
+    model = sc.Model({"block": solid, "tie": tie}, basis.get_dofs().all("u^1"))
+    result = model.run([sc.Stage("hang", model.weight(20.0))], progress=False)
+    sc.set_units("kN", "m")
+    assert f"force [{unit}]" in result["hang"].table("tie").titles
+    assert f"tie [{unit}]" in result.table().titles
+    rows = report_tables.parameters(result, {}).rows
+    units = {name: written for part, name, _, written, _ in rows if part == "tie"}
+    assert units["EA"] == units["yield_force"] == unit
+
+
+def test_stiffnesses_of_beams_are_of_a_member_or_of_a_length(without_units) -> None:
+    sc.set_units("kN", "m")
+    ends = [(0.0, 0.0), (0.0, -4.0)]
+    forms = {
+        "wall": sc.Beam(None, ends, EI=1e3, EA=1e6, Mp=9.0),
+        "row": sc.Beam(None, ends, EI=1e3, EA=1e6, Mp=9.0, spacing=2.0),
+    }
+    fixed = [dofs for beam in forms.values() for dofs in beam.dofs((0.0, -4.0))]
+    result = sc.Model(forms, fixed).run([sc.Stage("none")], progress=False)
+    units = {}
+    for part, name, _, unit, _ in report_tables.parameters(result, {}).rows:
+        units[part, name] = unit
+    assert [units["wall", name] for name in ("EI", "EA", "Mp")] == ["kNm²/m", "kN/m", "kNm/m"]
+    assert [units["row", name] for name in ("EI", "EA", "Mp")] == ["kNm²", "kN", "kNm"]
 
 
 def test_section_forces_in_space_are_forces_and_moments(without_units):

@@ -18,6 +18,7 @@ from ..forms.base import Form, Forms, Kinematics
 from ..forms.roles import Body, Couples, Loaded, Staged, having, with_force_kept
 from ..layout import Field, FieldDofs
 from ..surfaces.surface import Surface
+from ..units import Extent
 from .lines import touching
 
 #: Largest distance of coordinates from the node that they name, as a share of the beam.
@@ -208,6 +209,13 @@ class BeamNodes(Nodes):
     thickness: float
     parameters: Mapping[str, Any]
     _rows: ndarray
+
+    @property
+    def extent(self) -> Extent:  # type: ignore[override]
+        """Extent of the stiffnesses: in the plane rows without a spacing have no single members."""
+        if self.dim == 3 or self.parameters["spacing"] is not None:
+            return "member"
+        return "length"
 
     def inherits(self, old: Any, state: Any) -> Any:
         """Return the state of an old form; a new stiffness alone changes no force."""

@@ -16,6 +16,7 @@ from ..checks import names_of
 from ..errors import Remark
 from ..layout import Field
 from ..sparse import Scattering
+from ..units import Extent
 from .law_calls import together
 from .predicted_stress import PredictedStress
 from .roles import Body, Reducible, having, materials_of, missing_roles
@@ -284,6 +285,9 @@ class Form:
         True if the tangent is symmetric.
     changing
         Dofs at which the tangent may change while Newton's method iterates; None: anywhere.
+    extent
+        Extent to which forces and stiffnesses in tables belong: ``"member"``, ``"length"`` out of
+        the plane, or ``"radian"``.
 
     Examples
     --------
@@ -307,6 +311,7 @@ class Form:
     kinematics: Kinematics | None = None
     symmetric: bool = False
     changing: ndarray | None = None
+    extent: Extent = "member"
 
     def assemble(self, x: ndarray, state: Any) -> Response:
         """Return the response to displacements from an accepted state."""

@@ -17,6 +17,7 @@ from ..arrays import row_norms
 from ..checks import finite, is_number, positive
 from ..layout import Field, FieldDofs, dofs_at
 from ..sparse import Gathering
+from ..units import Extent
 from .base import Form, Kinematics, Outputs, Response
 from .roles import Couples, Regularised, Staged, Stiff, with_force_kept
 
@@ -347,6 +348,14 @@ class Bar(Form, Couples, Staged, Regularised):
         new = copy(self)
         new._by_angle = True
         return new
+
+    @property
+    @override
+    def extent(self) -> Extent:  # type: ignore[override]
+        """Extent of a bar's force: a row in the plane without a spacing has no single members."""
+        if self._in_row or self._where.shape[1] == 6:
+            return "member"
+        return "radian" if self._by_angle else "length"
 
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> Bar:

@@ -26,7 +26,7 @@ from ..results.fields import Shown, basis_of, has_excess, nodal_field, quantitie
 from ..results.result import Result
 from ..results.stage import StageResult
 from ..results.tractions import Tractions
-from ..units import kind_of, labelled
+from ..units import labelled
 from .scene import Scene
 from .sheet import PACKED, Window
 
@@ -267,8 +267,7 @@ def _titles(values: Any) -> dict[str, tuple[str, str]]:
     if isinstance(values, Tractions):
         return _TRACTIONS
     if isinstance(values, SectionForces) and values.M.ndim == 1:
-        in_space = values.T is not None
-        return {name: (_FORCES[name], kind_of(name, in_space)) for name in values.names}
+        return {name: (_FORCES[name], values.kind(name)) for name in values.names}
     raise ValueError(
         f"a diagram is drawn of Tractions or of SectionForces in a plane, not of "
         f"{type(values).__name__}; "

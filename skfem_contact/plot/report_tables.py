@@ -18,7 +18,7 @@ from ..materials.base import as_given
 from ..results.fields import basis_of, has_solids, solids
 from ..results.result import Result
 from ..results.stage import StageResult
-from ..units import unit_of, unit_of_parameter
+from ..units import Extent, unit_of, unit_of_parameter
 from .model import Shade
 
 #: Vertical stress, as a share of the largest one, below which its ratio to the horizontal is left
@@ -62,17 +62,19 @@ def parameters(result: Result, colors: Mapping[str, Shade]) -> Table:
         for name, value, is_default in _fields(own):
             rows.append(_parameter(names, name, value, is_default))
     others: dict[str, Mapping[str, Any]] = {}
+    extents: dict[str, Extent] = {}
     for stage in result:
         for name, form in stage.forms.items():
             if not materials_of(form):
                 others[name] = dict(stage.outputs(name).parameters)
+                extents[name] = form.extent
     for form_name, values in others.items():
         for name, value in values.items():
             if is_dataclass(value) and not isinstance(value, type):
                 for inner, part, is_default in _fields(value):
                     rows.append(_parameter(form_name, inner, part, is_default))
             else:
-                rows.append(_parameter(form_name, name, value, False))
+                rows.append(_parameter(form_name, name, value, False, extents[form_name]))
     return Table(("part", "parameter", "value", "unit", "remark"), tuple(rows))
 
 
@@ -93,8 +95,9 @@ def _parameter(
     name: str,
     value: Any,
     is_default: bool,
+    extent: Extent = "member",
 ) -> tuple[str, str, str, str, str]:
-    unit = unit_of_parameter(name) if value is not None else ""
+    unit = unit_of_parameter(name, extent) if value is not None else ""
     return owner, name, written(value), unit, "default" if is_default else ""
 
 

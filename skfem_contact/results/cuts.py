@@ -8,8 +8,12 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
-from ..arrays import left_of, row_norms
+from ..arrays import left_of, max_abs, row_norms
 from ..surfaces.vectors import dot
+from ..units import kind_of
+
+#: Coordinates on the axis of revolution, as a share of its length.
+_ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,19 @@ class SectionForces:
         if self.N_hoop is None:
             return ("N", "V", "M")
         return ("N", "V", "M", "N_hoop", "M_hoop")
+
+    @property
+    def on_axis(self) -> bool:
+        """True on the axis of revolution, where the normal force is per radian."""
+        if self.N_hoop is None:
+            return False
+        return max_abs(self.x) <= _ROUND_OFF * max_abs(self.y)
+
+    def kind(self, name: str) -> str:
+        """Return the kind of the unit of a force or moment."""
+        if name == "N" and self.on_axis:
+            return "force per radian"
+        return kind_of(name, self.T is not None)
 
     def towards(self, left: ArrayLike) -> SectionForces:
         """Return the section forces in a plane of bending in space, with the height for y.

@@ -15,7 +15,7 @@ from ..contact.laws import Status
 from ..display import Table
 from ..forms.base import Form, Forms
 from ..forms.roles import Touching, materials_of
-from ..units import kind_of
+from ..units import kind_of, kind_per
 from .cuts import Cuts, SectionForces
 from .fields import basis_of, has_solids, nodal_field
 from .files import StageData
@@ -136,7 +136,8 @@ def of_form(stage: StageData, name: str, sections: Cuts | None = None) -> Table:
             columns[key] = values
         elif key != "axis":
             columns |= {f"{key} {axis}": part for axis, part in zip("xyz", values.T)}
-    return Table.of(columns, f"{name}, {stage.name}", _kinds(columns, "z" in columns))
+    kinds = _kinds(columns, "z" in columns) | _own_kinds(form, along)
+    return Table.of(columns, f"{name}, {stage.name}", kinds)
 
 
 def of_stages(
@@ -156,11 +157,12 @@ def of_stages(
             if not isinstance(form, Touching):
                 names.append(name)
     chosen = dict.fromkeys((*names, *sections))
-    rows = [_row(stage, chosen, sections, searches) for stage in stages]
+    own_kinds: dict[str, str] = {}
+    rows = [_row(stage, chosen, sections, searches, own_kinds) for stage in stages]
     columns = _columns(rows)
     moved = next(filter(None, map(_moved, stages)), None)
     in_space = moved is not None and moved[1].shape[1] == 3
-    return Table.of(columns, kinds=_kinds(columns, in_space))
+    return Table.of(columns, kinds=_kinds(columns, in_space) | own_kinds)
 
 
 def _kinds(columns: Iterable[str], in_space: bool) -> dict[str, str]:
@@ -174,6 +176,16 @@ def _kinds(columns: Iterable[str], in_space: bool) -> dict[str, str]:
         kinds[name] = kind_of(name, in_space)
         if axis in ("x", "y", "z") and kind_of(vector):
             kinds[name] = kind_of(vector, in_space)
+    return kinds
+
+
+def _own_kinds(form: Form, along: Mapping[str, Any]) -> dict[str, str]:
+    """Return the kinds of the units that follow from a form, by the names of its columns."""
+    kinds = {}
+    if "force" in along:
+        kinds["force"] = kind_per("force", form.extent)
+    if "N_hoop" in along:
+        kinds["N"] = SectionForces(**along).kind("N")
     return kinds
 
 
@@ -219,8 +231,12 @@ def _row(
     names: Iterable[str],
     sections: Mapping[str, Cuts],
     searches: Mapping[str, Any],
+    kinds: dict[str, str],
 ) -> dict[str, Any]:
-    """Return displacement, forces and result of a search of a stage by the names of columns."""
+    """Return displacement, forces and result of a search of a stage by the names of columns.
+
+    Kinds of units that follow from forms are added to `kinds`.
+    """
     row: dict[str, Any] = {"stage": stage.name}
     if stage.time:
         row["time"] = stage.time
@@ -233,11 +249,14 @@ def _row(
         if name not in stage.states:
             continue
         along = _along(stage, name, sections.get(name))
+        own_kinds = _own_kinds(stage.forms[name], along)
         for key in (*_FORCES, *_OF_SHELLS):
             if key in along:
                 points = np.column_stack([along[axis] for axis in "xyz" if axis in along])
                 title = f"{name} {key}".removesuffix(" force")
                 row[title], row[f"{title} at"] = _largest(along[key], points)
+                if key in own_kinds:
+                    kinds[title] = own_kinds[key]
 
     # Add the factor of a search that starts from the stage.
     search = searches.get(stage.name)

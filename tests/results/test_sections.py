@@ -19,6 +19,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact import plot
 from skfem_contact.results.sections import section_forces
 from tests.oracles.rings import RingInGround, michell
 from tests.tools.helpers import ELEMENTS, distorted, grid, rotation, vector_basis
@@ -444,7 +445,7 @@ def test_circular_plate() -> None:
     np.testing.assert_array_equal(stage.table("body", sections=cuts)["M_hoop"], found.M_hoop)
 
 
-def test_pile_on_the_axis_of_revolution() -> None:
+def test_pile_on_the_axis_of_revolution(request) -> None:
     """[X] A load of 7 on a cylinder of radius 0.5, and a weight of 2: a normal force per radian,
     nothing else.
     """
@@ -456,12 +457,19 @@ def test_pile_on_the_axis_of_revolution() -> None:
         {"body": form},
         [form.basis.get_dofs("bottom").all(), form.basis.get_dofs("left").all("u^1")],
     )
-    stage = model.run([sc.Stage("top", model.traction("top", (0.0, -7.0)))], progress=False)["top"]
+    result = model.run([sc.Stage("top", model.traction("top", (0.0, -7.0)))], progress=False)
+    stage = result["top"]
     found = stage.section_forces("body", sc.Cuts.line((0.0, 2.0), (0.0, 1.0), depth=1.0, n=4))
     np.testing.assert_allclose(
         found.N, -0.125 * (7.0 + 2.0 * np.array([1.0, 4 / 3, 5 / 3, 2.0])), rtol=1e-9
     )
     assert not found.V.any() and not found.M.any()
+    cuts = {"body": sc.Cuts.line((0.0, 2.0), (0.0, 1.0), depth=1.0, n=4)}
+    request.addfinalizer(sc.set_units)
+    sc.set_units("kN", "m")
+    assert "N [kN/rad]" in stage.table("body", sections=cuts["body"]).titles
+    assert "body N [kN/rad]" in result.table(sections=cuts).titles
+    assert plot.diagram(found, "N").axes[0].get_ylabel() == "normal force N [kN/rad]"
 
 
 def test_elements_within_the_depth():
