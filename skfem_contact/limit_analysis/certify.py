@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -167,8 +168,11 @@ def prove_upper(program: Program, found: Solution, live: bool) -> Proof:
     if found.inner:
         inner = found.inner[len(found.inner) // 2].velocity
     best = Proof(np.inf, -found.velocity, np.inf)
-    for lack in _LACKING:
-        last, middle = _shaped(program, found, [-found.velocity, -inner], lack)
+    shaped = _shaping(program, found)
+    lacking = _LACKING if program.joints else _LACKING[:1]
+    for lack in lacking:
+        last = shaped(-found.velocity, lack)
+        middle = shaped(-inner, lack)
         for share in _MIXED:
             velocity = (1 - share) * last + share * middle
             proof = _refuted(program, velocity, live)
@@ -234,16 +238,14 @@ def dissipation(program: Program, strain: ndarray, factor: float) -> ndarray:
     return program.of_points(lambda s, points: s.dissipation(strain[points], factor))
 
 
-def _shaped(
-    program: Program, found: Solution, velocities: list[ndarray], lack: float
-) -> list[ndarray]:
-    """Correct velocities to constant volume without friction, and to bodies that do not overlap.
+def _shaping(program: Program, found: Solution) -> Callable[[ndarray, float], ndarray]:
+    """Return the correction of velocities to constant volume, and to bodies that do not overlap.
 
-    Joints are opened that lack more than a share of their opening.
+    Joints are opened that lack more than a share of their opening, its second argument.
     """
     kept = program.incompressible
     if not len(kept) and not program.joints:
-        return velocities
+        return lambda velocity, lack: velocity
     # correct volumes and overlaps by forces, as a linear solid with the metric of the solution
     volume = program.volume
     squared = (volume**2).sum(1)
@@ -254,8 +256,8 @@ def _shaped(
     by_volume = np.einsum("ni,nij,nj->n", volume, metric, volume)
     stiffness = by_volume / squared**2
     inverse = program.factor(metric)
-    shaped = []
-    for velocity in velocities:
+
+    def shaped(velocity: ndarray, lack: float) -> ndarray:
         for _ in range(_SHAPINGS):
             strain = program.strains(velocity)
             missing = _overlap(program, strain, found.factor, lack)
@@ -265,7 +267,8 @@ def _shaped(
                 break
             stress = (stiffness * missing)[:, None] * volume
             velocity = velocity + inverse(program.forces(stress))
-        shaped.append(velocity)
+        return velocity
+
     return shaped
 
 

@@ -86,14 +86,17 @@ class Joint:
             require(f"{name} of a joint", getattr(self, name), getattr(self, name) >= 0.0, ">= 0")
         require("phi of a joint", self.phi, self.phi < 90.0, "lie in [0, 90) degrees")
         require("psi of a joint", self.psi, self.psi <= self.phi, "not exceed phi")
-        # Tension ends at the apex of the cone.
-        if self.phi > 0.0:
-            most = self.c / np.tan(np.radians(self.phi))
-            enough = self.tension <= most * (1.0 + 1e-12)
-            require(
-                "tension of a joint", self.tension, enough, f"be at most c / tan(phi), {most:g}"
-            )
+        most = self._apex
+        low = self.tension <= most * (1.0 + 1e-12)
+        require("tension of a joint", self.tension, low, f"be at most c / tan(phi), {most:g}")
         warn_of_radians(phi=self.phi, psi=self.psi)
+
+    @property
+    def _apex(self) -> float:
+        """Tension at the apex of the cone, c / tan(phi), which stays where strength is reduced."""
+        if self.phi == 0.0:
+            return np.inf
+        return float(self.c / np.tan(np.radians(self.phi)))
 
     def reduced(self, factor: float, associated: bool) -> Joint:
         """Return the joint with its strength over a factor."""
@@ -102,9 +105,7 @@ class Joint:
             psi = phi
         else:
             psi = min(self.psi, phi)
-        tension = self.tension / factor
-        if self.phi > 0.0:  # the apex of the cone stays
-            tension = min(tension, self.c / np.tan(np.radians(self.phi)))
+        tension = min(self.tension / factor, self._apex)
         return Joint(self.dip, self.c / factor, phi, psi, tension)
 
 

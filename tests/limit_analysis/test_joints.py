@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
-from skfem_contact.limit_analysis import search
+from skfem_contact.limit_analysis import certify, search
 from skfem_contact.limit_analysis.reading import _strong
 from skfem_contact.limit_analysis.strength import Strength
 from skfem_contact.solvers.superlu import SuperLU
@@ -149,6 +150,35 @@ def test_a_block_of_clay_slides_on_clay(c: float) -> None:
     )
     assert 2.6 * (1 - 3e-4) < found.lower <= 2.6 * (1 + 1e-12)
     assert 2.6 * (1 - 1e-12) <= found.upper < 2.6 * (1 + 3e-4)
+
+
+def test_velocities_that_refute_nothing_are_corrected_with_one_factor(monkeypatch) -> None:
+    """Bodies at rest refute nothing, with either lack of opening; the matrix of the corrections is
+    the same.
+    """
+    given = []
+
+    def prove(program, solution, live):
+        given.append((program, solution))
+        return certify.prove_upper(program, solution, live)
+
+    monkeypatch.setattr(search, "prove_upper", prove)
+    load = {"weight": {"ground": 20.0, "block": 24.0}, "tractions": {"block:left": (1.0, 0.0)}}
+    block_on_clay(200.0, sc.LinearElastic(1e6, 0.2)).bounds(
+        **load, live="block:left", gap=0.1, elements=90, progress=False
+    )
+    program, solution = given[0]
+    factored = []
+    factor = program.factor
+
+    def counted(metric):
+        factored.append(metric)
+        return factor(metric)
+
+    monkeypatch.setattr(program, "factor", counted)
+    rest = replace(solution, velocity=0.0 * solution.velocity, inner=[])
+    assert certify.prove_upper(program, rest, True).value == np.inf
+    assert len(factored) == 1
 
 
 @pytest.mark.filterwarnings("ignore:the bounds:skfem_contact.AnalysisWarning")
