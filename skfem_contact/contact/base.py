@@ -478,9 +478,9 @@ class ContactBase(Form, Touching, Staged, Reducible, Regularised, Dissipating):
 
 def _surface(basis: CellBasis | None, side: str | Surface) -> Surface:
     """Return a side of a pair: a surface, or a boundary of the mesh."""
-    if basis is not None or isinstance(side, str):
-        check_basis(basis)
     if isinstance(side, Surface):
+        if basis is not None:
+            check_basis(basis)
         return side
     return Surface.from_boundary(basis, side)
 

@@ -64,12 +64,8 @@ def on_shell(
     """Return fields at points of a shell, (n, 3), interpolated between corners of triangles."""
     corners, fields = _at_corners(stage, name)
     triangles = corners.reshape(-1, 3, 3)
-    cells = np.zeros(len(points), int)
-    shares = np.zeros((len(points), 3))
-    away = np.zeros(len(points), bool)
-    for k, point in enumerate(points):
-        cells[k], shares[k], distance = _nearest(triangles, point)
-        away[k] = distance > _NEAR
+    cells, shares, distance = _nearest(triangles, points)
+    away = distance > _NEAR
     if away.any():
         raise ValueError(
             f"{away.sum()} of {len(points)} points lie outside of the shell '{name}': the first is "
@@ -94,26 +90,27 @@ def _at_corners(stage: StageData, name: str) -> tuple[ndarray, dict[str, ndarray
     return points, {**values, **moved, "u": row_norms(u)}
 
 
-def _nearest(triangles: ndarray, point: ndarray) -> tuple[int, ndarray, float]:
-    """Return the triangle nearest to a point, the shares of its corners, (3,), and the distance.
+def _nearest(triangles: ndarray, points: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+    """Return the triangles nearest to points, the shares of their corners, (n, 3), and distances.
 
     The distance is a share of the size of the triangle.
     """
-    # Barycentric coordinates of the projections onto the planes
+    # Barycentric coordinates of the projections onto the planes, (n, m, 3)
     a = triangles[:, 0]
     along = triangles[:, 1] - a
     across = triangles[:, 2] - a
     normal = np.cross(along, across)
     double = dot(normal, normal)
-    off = point - a
-    second = dot(np.cross(off, across), normal) / double
-    third = dot(np.cross(along, off), normal) / double
-    shares = np.column_stack((1.0 - second - third, second, third))
+    slope = np.stack((np.cross(across, normal), np.cross(normal, along))) / double[:, None]
+    off = points[:, None] - a
+    second, third = np.einsum("nmc,kmc->knm", off, slope)
+    shares = np.stack((1.0 - second - third, second, third), axis=2)
 
     # Points beyond a side are moved onto the triangle.
     shares = np.maximum(shares, 0.0)
-    shares /= shares.sum(axis=1, keepdims=True)
-    distance = row_norms(np.einsum("mk,mkc->mc", shares, triangles) - point)
-    distance /= double**0.25
-    k = int(distance.argmin())
-    return k, shares[k], float(distance[k])
+    shares /= shares.sum(axis=2, keepdims=True)
+    from_point = np.einsum("nmk,mkc->nmc", shares, triangles) - points[:, None]
+    distance = np.linalg.norm(from_point, axis=2) / double**0.25
+    cells = distance.argmin(axis=1)
+    each = np.arange(len(points))
+    return cells, shares[each, cells], distance[each, cells]
