@@ -100,7 +100,7 @@ _TIMES = 2.0
 _ISOCHORIC = 0.1
 
 #: Kinds of remarks on what changes a collapse load.
-_TOLD = ("pivot", "locking")
+_TOLD = ("pivot", "locking", "torque")
 
 
 class _Springs(Form):
@@ -174,7 +174,7 @@ def as_collapse(
 
 
 def warn_of_errors(system: System, x: ndarray, states: States) -> None:
-    """Raise warnings of errors of a collapse load: joints that turn, elements that lock."""
+    """Raise warnings of errors of a collapse load: joints that turn or hook, elements that lock."""
     for name, form in system.forms.items():
         for remark in form.outputs(x[: form.size], states[name]).remarks:
             if remark.kind in _TOLD:

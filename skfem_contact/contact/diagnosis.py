@@ -294,21 +294,35 @@ def _on_closing(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
 
 def _on_turning(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[Remark]:
     """Yield a remark on round fits whose pressure transfers torque, by corners or as they turn."""
-    # Only round fits with friction transfer torque.
     on = np.flatnonzero(state.traction[0])
+    slave, master = pair.interface.positions(x)
+    normal = pair.master.at(*state.closest.take(on), master).normal
+    # Forces of small rotations have the arms of the undeformed body.
+    if not pair.finite:
+        slave = pair.slave.nodes
+    yield from on_torque(pair, state, on, normal, slave)
+
+
+def on_torque(
+    pair: ContactBase,
+    state: ContactState,
+    on: ndarray,
+    normal: ndarray,
+    nodes: ndarray,
+) -> Iterator[Remark]:
+    """Yield a remark on a round fit whose pressure at the points `on` transfers torque.
+
+    The master has normals, (n, dim), at them, and the slave's nodes are at the ends of arms.
+    """
+    # Only round fits with friction transfer torque.
     mu = float(np.max(getattr(pair.law, "mu", 0.0)))
     is_fit = not isinstance(pair.initial, str) and pair.slave.closed
     if not is_fit or mu == 0.0 or len(on) == 0:
         return
     # Compare the torque of pressures with that of full friction.
     points = pair.points(state)
-    slave, master = pair.interface.positions(x)
-    normal = pair.master.at(*state.closest.take(on), master).normal
     force = points.weight[on] * np.abs(state.traction[0, on])
-    # Forces of small rotations have the arms of the undeformed body.
-    if not pair.finite:
-        slave = pair.slave.nodes
-    arm = (points.positions(slave) - slave.mean(axis=0))[on]
+    arm = (points.positions(nodes) - nodes.mean(axis=0))[on]
     friction = mu * float(force @ row_norms(arm))
     lever = cross_in_plane(arm, normal)
     torque = float(force @ lever)
@@ -319,7 +333,7 @@ def _on_turning(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[
             carried,
             f"the pressure on '{pair.slave.name}' transfers {carried:.1%} of the torque of full "
             "friction: corners of facets hook, or small rotations are too large; a round fit "
-            "slips before: take curved or smaller elements, or limit_load",
+            "slips before: take curved elements, of MeshQuad2, or smaller ones",
         )
 
 

@@ -17,6 +17,7 @@ from ..forms.base import Form, Outputs, Response
 from ..forms.roles import Couples, Reducible, Regularised
 from ..surfaces.material_points import MaterialPoints, offset_back
 from .base import ContactBase
+from .diagnosis import on_torque
 from .interface import ContactState
 from .laws import LawUpdate, Status, resisting
 
@@ -229,6 +230,7 @@ class LinearisedContact(Form, Couples, Reducible, Regularised):
         self._near = points.take(at)
         self._dofs = frame.dofs
         self._work = frame.expanded(frame.work)
+        self._normal = frame.normal
         self._first = x.take(frame.dofs.clip(0))
 
         # Gap and elastic slip, to which multipliers contribute
@@ -365,6 +367,14 @@ class LinearisedContact(Form, Couples, Reducible, Regularised):
         return Outputs(remarks=lambda: self._remarks(state))
 
     def _remarks(self, state: ContactState) -> Iterator[Remark]:
+        """Yield remarks on a round fit that hooks, and on a joint that turns about a point."""
+        pressed = np.flatnonzero(state.traction[0, self._at])
+        on = self._at[pressed]
+        normal = self._normal[pressed]
+        yield from on_torque(self.pair, state, on, normal, self.pair.slave.nodes)
+        yield from self._on_pivot(state)
+
+    def _on_pivot(self, state: ContactState) -> Iterator[Remark]:
         """Yield a remark where a joint's last point, inside of its end, has all of the pressure."""
         # Only points inside of the ends leave a lever.
         points = self._points

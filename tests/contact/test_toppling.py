@@ -55,7 +55,7 @@ def test_joints_that_turn_about_a_point_inside_of_their_end_are_told(n) -> None:
         traction = np.zeros((2, n))
         traction[0, [last, following]] = -(1.0 - share) / weight[last], -share / weight[following]
         state = SimpleNamespace(traction=traction)
-        return [remark.figure for remark in LinearisedContact._remarks(joint, state)]
+        return [remark.figure for remark in LinearisedContact._on_pivot(joint, state)]
 
     for last, following in ((0, 1), (-1, -2)):
         assert told(0.0, last, following) == [1.0] * (n < 8)
