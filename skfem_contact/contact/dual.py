@@ -19,6 +19,7 @@ from .enforcement import Enforcement, check_corners
 from .interface import ContactState
 from .laws import InterfaceLaw, Status
 from .multipliers import balanced, foreseen, nodal_forces, respond
+from .transfer import Transfer
 
 
 @dataclass(frozen=True)
@@ -151,8 +152,8 @@ class DualMultipliers(Enforcement):
         beside = np.zeros_like(slip)
         if len(known):
             points = pair.points(accepted)
-            at = known[interface.nearest(points.take(known), points.take(np.flatnonzero(new)))]
-            beside[:, new] = slip[:, at]
+            to_new = Transfer(pair.slave, points.take(known), points.take(np.flatnonzero(new)))
+            beside[:, new] = slip[:, known[to_new.at]]
         stick = interface.with_elastic_slip(state, beside)
         state = replace(
             state,

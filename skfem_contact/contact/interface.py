@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-import scipy
 from numpy import ndarray
 
 from ..arrays import max_abs
 from ..surfaces.faceting import Faceting, alike
 from ..surfaces.material_points import (
     MaterialPoints,
-    along_chain,
     arc_distance,
     distance,
     offset_back,
@@ -29,6 +27,7 @@ from .neighbours import ON_FACET, NeighbourList, Neighbours
 from .quadrature import SlavePoints, between, changed, common_cuts, gauss, nodal, piecewise
 from .search import Projection, merged, project
 from .symmetry import Plane
+from .transfer import Transfer
 
 #: The rule "segments" is cut anew when a cut has moved by more than this share of a segment.
 _MOVED = 1e-3
@@ -39,9 +38,6 @@ TOUCHING = 1e-8
 #: A gap below this share of the coordinates is nothing: bodies that touch unloaded still touch when
 #: they move.
 ROUND_OFF = 8 * np.finfo(float).eps
-#: Weight of a point in space, over the largest one on its facet, below which new points inherit
-#: nothing from it.
-_SLIVER = 0.01
 
 
 @dataclass(frozen=True)
@@ -526,62 +522,63 @@ class Interface:
         cuts = self.cuts(x)
         if len(cuts) == 0 or changed(state.cuts, cuts) <= _MOVED:
             return None
-        origin = self._origin(state, found, x, cuts)
-        elastic = self.elastic_slip(state)
-        (elastic,) = self.interpolated(self.points(state.cuts), self.points(cuts), (elastic,))
-        state = replace(
-            self.transferred(state, cuts), facet=origin.facet, position=origin.xi.T
-        ).with_stick(origin)
+        transfer = self.transfer(state.cuts, cuts)
+        origin = self._origin(transfer, state, found, self.closest(x, cuts).closest)
+        elastic = transfer.of(self.elastic_slip(state))
+        state = self.transferred(transfer, state, cuts).with_stick(origin)
         # The clearance of round facets follows from the new coordinates.
-        rounded = self.faceting(self.points(cuts), origin)
-        state = replace(state, clearance=state.clearance + rounded, rounded=rounded)
+        rounded = self.faceting(transfer.new, origin)
+        state = replace(
+            state,
+            facet=origin.facet,
+            position=origin.xi.T,
+            clearance=state.clearance + rounded,
+            rounded=rounded,
+        )
         return self.with_elastic_slip(state, elastic)
 
     def _origin(
-        self, state: ContactState, found: ContactState, x: ndarray, cuts: ndarray
+        self,
+        transfer: Transfer,
+        state: ContactState,
+        found: ContactState,
+        closest: MaterialPoints,
     ) -> MaterialPoints:
-        """Return where closest points between new cuts were when a state was accepted.
+        """Return where new closest points were when a state was accepted.
 
         They have slid since as far as the points of the found state.
         """
-        old = self.points(state.cuts)
-        new = self.points(cuts)
-        at = self.nearest(old, new)
-        slid = self._distance(state.cuts, found.closest, state.closest)
-        (slid,) = self.interpolated(old, new, (slid,))
-        closest = self.closest(x, cuts).closest
+        slid = transfer.of(self._distance(state.cuts, found.closest, state.closest))
         # A point comes from its own facet where the one beside it has stayed on its facet.
-        stayed = (found.facet == state.facet)[at]
-        before = state.closest.take(at)
+        stayed = (found.facet == state.facet)[transfer.at]
+        before = state.closest.take(transfer.at)
         near = MaterialPoints(
             np.where(stayed, closest.facet, before.facet),
             np.where(stayed[:, None], closest.xi, before.xi),
         )
-        tangents = self._tangents(new, closest)
+        tangents = self._tangents(transfer.new, closest)
         return offset_back(self.master, self.master.nodes, tangents, closest, slid.T, near)
 
-    def transferred(self, state: ContactState, cuts: ndarray) -> ContactState:
+    def transfer(self, cuts: ndarray, others: ndarray) -> Transfer:
+        """Return the transfer from points between cuts to points between others."""
+        return Transfer(self.slave, self.points(cuts), self.points(others))
+
+    def transferred(self, transfer: Transfer, state: ContactState, cuts: ndarray) -> ContactState:
         """Return the fields of a state at points between other cuts, without points of the master.
 
-        Fields that are not smooth come from the nearest old point that is no sliver's. The
-        clearance lacks the part of round facets.
+        Fields that are not smooth come from the nearest old point. The clearance lacks the part of
+        round facets.
         """
-        # Interpolate tractions and slips between the points of both cuts.
-        old = self.points(state.cuts)
-        new = self.points(cuts)
-        clearance = state.clearance - state.rounded
-        slip, closing_slip, traction, clearance = self.interpolated(
-            old, new, (state.slip, state.closing_slip, state.traction, clearance)
-        )
-        at = self.nearest(old, new)
+        at = transfer.at
+        clearance = transfer.of(state.clearance - state.rounded)
         return replace(
             state,
             gap=state.gap[at],
             status=state.status[at],
             internal=state.internal[:, at],
-            slip=slip,
-            closing_slip=closing_slip,
-            traction=traction,
+            slip=transfer.of(state.slip),
+            closing_slip=transfer.of(state.closing_slip),
+            traction=transfer.of(state.traction),
             clearance=clearance + self.clearance_between(state.cuts, cuts, at),
             cuts=cuts,
         )
@@ -600,37 +597,3 @@ class Interface:
         near = self.adjusted * points.size
         adjusted = (np.abs(before) <= near) & (np.abs(after) <= near)
         return np.where(adjusted, after, 0.0) - np.where(adjusted, before, 0.0)
-
-    def nearest(self, old: SlavePoints, new: SlavePoints) -> ndarray:
-        """Return the number of the old point nearest to each new one in the undeformed slave."""
-        if self.slave.dim == 2:
-            before = along_chain(self.slave, old.facet, old.xi)
-            after = along_chain(self.slave, new.facet, new.xi)
-            return np.asarray(np.abs(after[:, None] - before).argmin(axis=1))
-        # Slivers face facets beyond an edge, and know little about the points beside them
-        largest = np.zeros(len(self.slave.facets))
-        np.maximum.at(largest, old.facet, old.weight)
-        known = np.flatnonzero(old.weight >= _SLIVER * largest[old.facet])
-        tree = scipy.spatial.cKDTree(self._positions_and_normals(old.take(known)))
-        return known[tree.query(self._positions_and_normals(new))[1]]
-
-    def _positions_and_normals(self, points: SlavePoints) -> ndarray:
-        """Return coordinates in which points on facets of other directions are far away."""
-        normal = self.slave.at(points.facet, points.xi, self.slave.nodes).normal
-        return np.hstack((points.positions(self.slave.nodes), self.slave.spacing * normal))
-
-    def interpolated(
-        self, old: SlavePoints, new: SlavePoints, fields: Iterable[ndarray]
-    ) -> list[ndarray]:
-        """Interpolate fields (..., n) along the slave; in space take the nearest old point's."""
-        if self.slave.dim == 3:
-            at = self.nearest(old, new)
-            return [values[..., at] for values in fields]
-        before = along_chain(self.slave, old.facet, old.xi)
-        after = along_chain(self.slave, new.facet, new.xi)
-        result = []
-        for values in fields:
-            rows = values.reshape(-1, len(before))
-            interpolated = np.array([np.interp(after, before, row) for row in rows])
-            result.append(interpolated.reshape(*values.shape[:-1], len(after)))
-        return result

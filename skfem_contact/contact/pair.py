@@ -232,23 +232,13 @@ class ContactPair(ContactBase):
             return regularised, accepted
         state, changes = self.enforcement.after_equilibrium(self, accepted, found)
 
-        # Let the cuts follow the bodies, with the values of the nearest points
+        # Let the cuts follow the bodies
+        cut = None
         if self._recuts < RECUTS:
             cut = self.interface.follow(state, found, x)
-        else:
-            cut = None
         if cut is not None:
             state = cut
-            changes["_recuts"] = self._recuts + 1
-            at = self.interface.nearest(points, self.points(cut))
-            for name in ("slip_shift", "debonded"):
-                values = changes.get(name, getattr(self, name))
-                if values is not None:
-                    changes[name] = values[..., at]
-            if self.clearance is not None:
-                without = (self.clearance - accepted.rounded)[..., at]
-                further = self.interface.clearance_between(accepted.cuts, cut.cuts, at)
-                changes["clearance"] = without + further + cut.rounded
+            changes = self._at_cuts(accepted, cut, changes)
         elif self._rounds < RECUTS:
             # Let the clearance between round facets follow
             rounded = self._rounded_anew(accepted, found)
@@ -261,6 +251,22 @@ class ContactPair(ContactBase):
         if state is accepted:
             return None
         return (self.with_(**changes), state)
+
+    def _at_cuts(
+        self, accepted: ContactState, cut: ContactState, changes: dict[str, Any]
+    ) -> dict[str, Any]:
+        """Return changes of the pair with its own values at points between new cuts."""
+        changes = {**changes, "_recuts": self._recuts + 1}
+        at = self.interface.transfer(accepted.cuts, cut.cuts).at
+        for name in ("slip_shift", "debonded"):
+            values = changes.get(name, getattr(self, name))
+            if values is not None:
+                changes[name] = values[..., at]
+        if self.clearance is not None:
+            without = (self.clearance - accepted.rounded)[..., at]
+            further = self.interface.clearance_between(accepted.cuts, cut.cuts, at)
+            changes["clearance"] = without + further + cut.rounded
+        return changes
 
     def _between_curves(self, points: SlavePoints, found: Projection) -> tuple[ndarray, ndarray]:
         """Return gaps of facets whose smooth curves touch, and gaps between the curves, (n,) each.
@@ -371,14 +377,14 @@ class ContactPair(ContactBase):
 
         # Take the state to the cuts of the mesh
         if self.quadrature == "segments":
+            transfer = interface.transfer(state.cuts, home.cuts)
             excess = np.where(np.isfinite(state.gap), state.gap - state.clearance, 0.0)
-            excess, elastic = interface.interpolated(
-                self.points(state), self.points(home), (excess, elastic)
-            )
+            excess = transfer.of(excess)
+            elastic = transfer.of(elastic)
             state = replace(
-                interface.transferred(state, home.cuts),
+                interface.transferred(transfer, state, home.cuts),
                 clearance=np.zeros(len(excess)),
-                rounded=interface.faceting(self.points(home), home.closest),
+                rounded=interface.faceting(transfer.new, home.closest),
                 gap=excess,
             )
 
