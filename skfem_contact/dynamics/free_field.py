@@ -111,68 +111,25 @@ class FreeField(Form, Couples, Staged, Absorbing):
         mesh = basis.mesh
         facets = facets_of(mesh, self._boundary)
         ends = facet_corners(mesh, facets)  # (2, 2, n_facets)
-        height = float(np.ptp(ends[1]))
-        x = float(ends[0].mean())
-        offset = np.abs(ends[0] - x)
-        if offset.max() > _STRAIGHT * height or height == 0.0:
-            worst = offset.max(axis=0).argmax()
-            raise ValueError(
-                f"the side '{self._boundary}' of a free field is not vertical, at "
-                f"{format_point(ends[:, 0, worst])}"
-            )
+        x, height = self._upright(ends)
         order = np.argsort(ends[1].mean(axis=0))
-        low = ends[1].min(axis=0)[order]
-        levels = np.append(low, ends[1].max())
-        elements = self._solid.elements
-        numbers = np.arange(len(elements))
-        position = np.full(mesh.nelements, -1)
-        position[elements] = numbers
-        at_side = mesh.f2t[0, facets[order]]
-        self._beside = position[at_side]
-        middle = float(mesh.p[0].mean())
-        self._outwards = 1.0 if x > middle else -1.0
-
-        # Build a column of as many elements, with their materials
+        levels = np.append(ends[1].min(axis=0)[order], ends[1].max())
+        self._outwards = 1.0 if x > mesh.p[0].mean() else -1.0
         self._width = height / len(facets)
-        parts: dict[str, ndarray] = {}
-        materials = {}
-        for region in self._solid.regions:
-            inside = np.zeros(len(position), bool)
-            inside[numbers[region.elements]] = True
-            chosen = np.flatnonzero(inside[self._beside])
-            if len(chosen):
-                parts[region.name] = chosen
-                materials[region.name] = region.material
-        strip = MeshQuad.init_tensor(np.array([0.0, self._width]), levels)
-        middles = strip.p[1][strip.t].mean(axis=0)
-        layer = np.argsort(np.argsort(middles))
-        subdomains = {}
-        for name, part in parts.items():
-            subdomains[name] = np.flatnonzero(np.isin(layer, part))
-        second = basis.Nbfun > basis.mesh.dim() * len(basis.mesh.t)
-        element = ElementQuad1()
-        intorder = 2
-        if second:
-            element = ElementQuad2()
-            intorder = 4
-        strip = strip.with_subdomains(subdomains)
-        strip_basis = Basis(strip, ElementVector(element), intorder=intorder)
-        weights = self._solid.unit_weights[self._beside]
-        weight = {name: float(weights[part].mean()) for name, part in parts.items()}
-        strain = self._solid.strain
-        self._column = SolidForm(strip_basis, materials, strain=strain, unit_weight=weight)
-        self._layer = layer[self._column.elements]
+        position = np.full(mesh.nelements, -1)
+        position[self._solid.elements] = np.arange(len(self._solid.elements))
+        self._build_column(position[mesh.f2t[0, facets[order]]], levels)
 
         # Dofs of the levels, and of the nodes at the side
-        x_dofs, y_dofs = strip_basis.doflocs
+        column = self._column.basis
+        x_dofs, y_dofs = column.doflocs
         relative = np.round((y_dofs - levels[0]) / height, 9)
         heights, level = np.unique(relative, return_inverse=True)
-        n = strip_basis.N
+        n = column.N
         dofs = np.arange(n)
         own = 2 * level + dofs % 2
         m = 2 * len(heights)
-        ones = np.ones(n)
-        self._tied = csr_matrix((ones, (dofs, own)), shape=(n, m))
+        self._tied = csr_matrix((np.ones(n), (dofs, own)), shape=(n, m))
         # half the difference of the forces on both sides is the traction
         off_middle = x_dofs / self._width - 0.5
         sides = np.sign(off_middle).round()
@@ -186,6 +143,45 @@ class FreeField(Form, Couples, Staged, Absorbing):
         self.fields = (self.field,)
         self._own = np.zeros(0, int)
         self._dofs = self._side
+
+    def _upright(self, ends: ndarray) -> tuple[float, float]:
+        """Return coordinate and height of a vertical side, given the ends of its facets."""
+        height = float(np.ptp(ends[1]))
+        x = float(ends[0].mean())
+        offset = np.abs(ends[0] - x)
+        if offset.max() > _STRAIGHT * height or height == 0.0:
+            worst = offset.max(axis=0).argmax()
+            raise ValueError(
+                f"the side '{self._boundary}' of a free field is not vertical, at "
+                f"{format_point(ends[:, 0, worst])}"
+            )
+        return x, height
+
+    def _build_column(self, at_side: ndarray, levels: ndarray) -> None:
+        """Build a column of as many elements as are at the side, with their materials."""
+        strip = MeshQuad.init_tensor(np.array([0.0, self._width]), levels)
+        middles = strip.p[1][strip.t].mean(axis=0)
+        beside = at_side[np.argsort(np.argsort(middles))]
+        solid = self._solid
+        parts: dict[str, ndarray] = {}
+        materials = {}
+        weight = {}
+        for region in solid.regions:
+            inside = np.zeros(len(solid.elements), bool)
+            inside[region.elements] = True
+            part = np.flatnonzero(inside[beside])
+            if len(part):
+                parts[region.name] = part
+                materials[region.name] = region.material
+                weight[region.name] = float(solid.unit_weights[beside[part]].mean())
+        element = ElementQuad1()
+        intorder = 2
+        if solid.basis.Nbfun > 2 * len(solid.basis.mesh.t):  # of second order
+            element = ElementQuad2()
+            intorder = 4
+        basis = Basis(strip.with_subdomains(parts), ElementVector(element), intorder=intorder)
+        self._column = SolidForm(basis, materials, strain=solid.strain, unit_weight=weight)
+        self._beside = beside[self._column.elements]
 
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> FreeField:
@@ -229,7 +225,7 @@ class FreeField(Form, Couples, Staged, Absorbing):
             return state
         # the means of the stresses and internal variables of the elements at the side
         ground = states[self._name]
-        at = self._beside[self._layer]
+        at = self._beside
         stress = state.stress.copy()
         stress[:] = ground.stress[:, at].mean(axis=2)[:, :, None]
         internal = state.internal.copy()

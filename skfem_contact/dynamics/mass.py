@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import coo_matrix, csr_matrix, diags_array
+from scipy.sparse import block_diag, csr_matrix, diags_array, eye_array, kron
 from scipy.sparse.linalg import splu
 
 from ..checks import look_up
@@ -194,28 +194,16 @@ def to_neighbours(forms: Forms, size: int) -> csr_matrix | None:
     x = basis.doflocs[:, ::dim]
     distance = np.linalg.norm(x[:, both[0]] - x[:, both[1]], axis=0)
     weight = distance**_NEAR
-    sums = np.bincount(both[0], weight, minlength=len(touching))
-    weight = weight / sums[both[0]]
+    n_nodes = len(touching)
+    sums = np.bincount(both[0], weight, minlength=n_nodes)
+    of_neighbours = csr_matrix((weight / sums[both[0]], both), shape=(n_nodes, n_nodes))
 
-    # Nodes without a neighbour inside keep their mass
-    kept = np.ones(size)
-    moved = np.flatnonzero(sums > 0.0)
-    rows = []
-    columns = []
-    values = []
-    for c in range(dim):
-        kept[dim * moved + c] = 0.0
-        rows.append(dim * both[0] + c)
-        columns.append(dim * both[1] + c)
-        values.append(weight)
-    stays = np.flatnonzero(kept)
-    rows.append(stays)
-    columns.append(stays)
-    values.append(np.ones(len(stays)))
-    row = np.concatenate(rows)
-    column = np.concatenate(columns)
-    entries = np.concatenate(values)
-    return coo_matrix((entries, (row, column)), shape=(size, size)).tocsr()
+    # Nodes without a neighbour inside keep their mass, other dofs than displacements as well
+    kept = diags_array(np.where(sums > 0.0, 0.0, 1.0))
+    of_displacements = kron(of_neighbours + kept, eye_array(dim))
+    P = csr_matrix(block_diag((of_displacements, eye_array(size - basis.N))))
+    P.eliminate_zeros()
+    return P
 
 
 def lumped(M: csr_matrix) -> ndarray | None:

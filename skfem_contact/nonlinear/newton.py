@@ -435,6 +435,14 @@ class _History:
         self.sizes = [unbalanced(now)]
         self._recent = [now.norm]
 
+    def check(self, problem: Problem) -> None:
+        """End iterations that lead nowhere, or whose active sets go back and forth."""
+        if self.ends():
+            raise self.failure(f"no equilibrium after {self.iterations} iterations")
+        cycle = self.cycle()
+        if cycle and problem.leaves(cycle):
+            raise self.failure("the active sets of contact return without progress", cycle)
+
     def ends(self) -> bool:
         """Return True if further iterations would lead nowhere."""
         if _too_many(self._recent, self._counted, self._settings.max_iterations):
@@ -511,18 +519,12 @@ def iterate(
     damped = damp
     may_accelerate = search == "residual" and not damp
     while history.iterations < at_least or not (now.norm <= settings.tolerance and now.lag == 0.0):
-        # End iterations that lead nowhere, or whose active sets go back and forth.
-        if history.ends():
-            raise history.failure(f"no equilibrium after {history.iterations} iterations")
-        cycle = history.cycle()
-        if cycle and problem.leaves(cycle):
-            raise history.failure("the active sets of contact return without progress", cycle)
+        history.check(problem)
 
         # Take a step of a length that the line search accepts.
-        new = _stepped(now, problem, search, history, damped)
-        now = new
+        now = _stepped(now, problem, search, history, damped)
         if history.iterations == 0:
-            now = problem.improved(new)
+            now = problem.improved(now)
         history.add(now)
         logger.debug("iteration %d: residual %.3e", history.iterations, now.norm)
         unsolved = now.norm > settings.tolerance

@@ -240,20 +240,18 @@ def through_stages(
     _check_gaps(parts, found[0], np.array([missing for _, missing in each]))
 
     # Put the stage and its time before the columns of every part.
-    columns: dict[str, list[Any]] = {"stage": [], "time": [], "load": []}
-    for part, values in zip(parts, found, strict=True):
-        n = len(values)
-        columns["stage"] += [part.name] * n
-        columns["time"] += [part.time] * n
-        columns["load"] += [part.fraction] * n
-        for name, column in values.columns.items():
-            columns.setdefault(name, []).extend(column)
-    if not any(columns["time"]):
+    counts = [len(values) for values in found]
+    heads = zip(*[(part.name, part.time, part.fraction) for part in parts], strict=True)
+    columns = {}
+    for title, values_of_parts in zip(("stage", "time", "load"), heads, strict=True):
+        columns[title] = np.repeat(values_of_parts, counts)
+    if not columns["time"].any():
         columns.pop("time")
-    if all(fraction == 1.0 for fraction in columns["load"]):
+    if (columns["load"] == 1.0).all():
         columns.pop("load")
-    arrays = {name: np.array(column) for name, column in columns.items()}
-    return PointValues(arrays, found[0].titles, "histories")
+    for name in found[0].columns:
+        columns[name] = np.concatenate([values.columns[name] for values in found])
+    return PointValues(columns, found[0].titles, "histories")
 
 
 def _titles(

@@ -179,6 +179,11 @@ def _kinds(columns: Iterable[str], in_space: bool) -> dict[str, str]:
     return kinds
 
 
+def _title(name: str, key: str) -> str:
+    """Return the title of a force of a form."""
+    return f"{name} {key}".removesuffix(" force")
+
+
 def _own_kinds(form: Form, along: Mapping[str, Any]) -> dict[str, str]:
     """Return the kinds of the units that follow from a form, by the names of its columns."""
     kinds = {}
@@ -249,14 +254,13 @@ def _row(
         if name not in stage.states:
             continue
         along = _along(stage, name, sections.get(name))
-        own_kinds = _own_kinds(stage.forms[name], along)
         for key in (*_FORCES, *_OF_SHELLS):
             if key in along:
                 points = np.column_stack([along[axis] for axis in "xyz" if axis in along])
-                title = f"{name} {key}".removesuffix(" force")
+                title = _title(name, key)
                 row[title], row[f"{title} at"] = _largest(along[key], points)
-                if key in own_kinds:
-                    kinds[title] = own_kinds[key]
+        for key, kind in _own_kinds(stage.forms[name], along).items():
+            kinds[_title(name, key)] = kind
 
     # Add the factor of a search that starts from the stage.
     search = searches.get(stage.name)
