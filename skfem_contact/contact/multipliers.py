@@ -20,6 +20,7 @@ these equations is a primal-dual active set strategy (S. Hueeber, B. I. Wohlmuth
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -350,40 +351,51 @@ def balanced(pair: Any, state: ContactState) -> ndarray:
     forces = np.einsum("nk,ink->in", weights, state.multiplier[:, facing.nodes])
     area = pair.share * facing.weight
     planes = pair.symmetry.planes if pair.symmetry else ()
-
-    # Weigh the points by one and by their coordinates across the mean normal, over the size
-    x = facing.positions(pair.slave.nodes)
-    if len(x):
-        x = x - x.mean(axis=0)
-    size = max_abs(x) or 1.0
-    normal = pair.slave.at(facing.facet, facing.xi, pair.slave.nodes).normal
     tractions = state.traction.copy()
-    pressed = area * np.abs(tractions[0, at])
-    mean = pressed @ normal
-    for plane in planes:
-        x[:, plane.axis] = facing.positions(pair.slave.nodes)[:, plane.axis] - plane.coordinate
-        mean[plane.axis] = 0.0
-    axes = [plane.axis for plane in planes]
-    twice = [axis for axis in range(pair.slave.dim) if axes.count(axis) == 2]
-    mean /= max(float(np.linalg.norm(mean)), np.finfo(float).tiny)
-    linear = np.column_stack((np.ones(len(x)), (x - np.outer(x @ mean, mean)) / size))
+    linear = _linear(pair, facing, area * np.abs(tractions[0, at]), planes)
 
     # Change each component in proportion to its size, by functions of its symmetry
     for k, (component, force) in enumerate(zip(tractions, forces, strict=True)):
-        fits = np.ones(linear.shape[1], bool)
-        for plane in planes:
-            is_odd = np.arange(len(fits)) == 1 + plane.axis
-            fits &= is_odd == plane.odd[k]
-        fits[[1 + axis for axis in twice]] = False
-        if not fits.any():
+        functions = linear[:, _of_symmetry(k, planes, pair.slave.dim)]
+        if functions.shape[1] == 0:
             continue
-        functions = linear[:, fits]
         t = component[at]
         missing = functions.T @ (force - area * t)
         products = functions.T @ ((area * np.abs(t))[:, None] * functions)
         factors = np.linalg.pinv(products, rcond=_FLAT, hermitian=True) @ missing
         component[at] = t + np.abs(t) * (functions @ factors)
     return tractions
+
+
+def _linear(pair: Any, points: SlavePoints, pressed: ndarray, planes: Sequence[Any]) -> ndarray:
+    """Return one and the coordinates of points across the mean normal, over their size.
+
+    They count from the middle, or from planes of symmetry.
+    """
+    positions = points.positions(pair.slave.nodes)
+    x = positions.copy()
+    if len(x):
+        x -= x.mean(axis=0)
+    size = max_abs(x) or 1.0
+    normal = pair.slave.at(points.facet, points.xi, pair.slave.nodes).normal
+    mean = pressed @ normal
+    for plane in planes:
+        x[:, plane.axis] = positions[:, plane.axis] - plane.coordinate
+        mean[plane.axis] = 0.0
+    mean /= max(float(np.linalg.norm(mean)), np.finfo(float).tiny)
+    return np.column_stack((np.ones(len(x)), (x - np.outer(x @ mean, mean)) / size))
+
+
+def _of_symmetry(k: int, planes: Sequence[Any], dim: int) -> ndarray:
+    """Return a mask of one and the coordinates: those that a component has beside planes."""
+    fits = np.ones(1 + dim, bool)
+    for plane in planes:
+        is_odd = np.arange(1 + dim) == 1 + plane.axis
+        fits &= is_odd == plane.odd[k]
+    # between two planes no coordinate counts from both
+    axes = np.bincount([plane.axis for plane in planes], minlength=dim)
+    fits[1:] &= axes < 2
+    return fits
 
 
 def _law_at(pair: Any, state: ContactState, numbers: ndarray) -> Any:

@@ -470,7 +470,7 @@ def hardening_return(t: Points, k: Constants) -> Returned:
         scale[done] = z[3, kept]
         if len(parts) == 1:
             _learn(order, start, which, np.flatnonzero(~found), z, *known)
-    return Returned(c, gamma, cap, scale, remaining, lambda: _slopes(parts, n, k))
+    return Returned(c, gamma, cap, scale, remaining, lambda: _slopes(parts, n))
 
 
 def _learn(
@@ -531,7 +531,7 @@ def _checked(
     return stress, memory, holds, (state, residual)
 
 
-def _slopes(parts: list[_Part], n: int, k: Constants) -> tuple[Array, Array]:
+def _slopes(parts: list[_Part], n: int) -> tuple[Array, Array]:
     """Return d c / d trial, (3, 3, n), at a fixed scale; d c / d ln(scale), (3, n), at a trial."""
     by_trial = np.zeros((3, 3, n))
     by_scale = np.zeros((3, n))

@@ -120,7 +120,7 @@ def _histories(found: PointValues) -> Figure:
             ax.plot(steps, found[name][labels == label], label=label, **style)
         ax.set_ylabel(labelled(*title))
         tidy(ax, len(different))
-    _write_abscissa(axes[-1], found, len(different))
+    _write_abscissa(axes[-1], found)
     return figure
 
 
@@ -136,7 +136,7 @@ def _abscissa(found: PointValues, n: int) -> ndarray:
     return number
 
 
-def _write_abscissa(ax: Axes, found: PointValues, n: int) -> None:
+def _write_abscissa(ax: Axes, found: PointValues) -> None:
     """Write the times or the names of the stages below the last panel."""
     if "time" in found.columns:
         ax.set_xlabel("time")

@@ -402,15 +402,7 @@ def _read_arrays(
 ) -> list[_Stage]:
     """Read the stages of an archive, with the last one of a file where it `ends`."""
     with np.load(source, allow_pickle=False) as data:
-        head = json.loads(str(data["head"]))
-        # The head of version 0.1.0 is a list of stages.
-        is_old = "layout" not in head
-        if is_old or head["layout"] != _LAYOUT:
-            writer = "0.1.0" if is_old else head["version"]
-            raise ValueError(
-                f"version {writer} of this library wrote it, with another layout than that of "
-                f"{own_version()}: read it there, or compute it anew"
-            )
+        head = _head_of(data)
         arrays = {key: data[key] for key in head["sums"]}
     damaged = [key for key, values in arrays.items() if _checksum(values) != head["sums"][key]]
     if damaged:
@@ -429,6 +421,20 @@ def _read_arrays(
     if stages and ends:
         _warn_of_other_members(head["stages"][-1], stages[-1].forms)
     return stages
+
+
+def _head_of(data: Mapping[str, ndarray]) -> dict[str, Any]:
+    """Return the head of an archive; refuse other layouts."""
+    head: dict[str, Any] = json.loads(str(data["head"]))
+    # The head of version 0.1.0 is a list of stages.
+    is_old = "layout" not in head
+    if is_old or head["layout"] != _LAYOUT:
+        writer = "0.1.0" if is_old else head["version"]
+        raise ValueError(
+            f"version {writer} of this library wrote it, with another layout than that of "
+            f"{own_version()}: read it there, or compute it anew"
+        )
+    return head
 
 
 def _stage(

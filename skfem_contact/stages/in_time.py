@@ -60,9 +60,6 @@ _BEGINNING = 10
 #: Share of the load that the digits of displacements may hide in short steps.
 _LOST = 1e-3
 
-#: Vector at a time since the start of the stage.
-OfTime = Callable[[float], ndarray]
-
 
 @dataclass(frozen=True)
 class InTime:
@@ -528,21 +525,10 @@ def steps_of(
     log
         Records of energies and motions.
     """
-    # Choose the method
     last, motion = start
     settings = in_time.settings
     forms = {name: form for name, form in system.forms.items() if name != INERTIA}
-    longest = in_time.step
-    number = in_time.steps
-    method = _Iterated(system, forms, newton)
-    if settings.explicit:
-        try:
-            method = explicit = _ExplicitSteps(system, forms, in_time, last)
-            longest, number = explicit.steps(stage, settings)
-        except ValueError as error:
-            raise ValueError(f"stage '{stage.name}': {error}") from None
-    elif is_linear(forms, last.x, last.states):
-        method = _LinearSteps(system, forms, in_time)
+    method, longest, number = _method_of(stage, in_time, system, forms, last, newton)
     scheme = Scheme.of(settings.rho_inf)
     steps = Steps(
         longest,
@@ -585,6 +571,27 @@ def steps_of(
         if steps.finished:
             last = _complete(last)
         yield last
+
+
+def _method_of(
+    stage: Stage,
+    in_time: InTime,
+    system: System,
+    forms: Forms,
+    last: StageResult,
+    newton: Newton,
+) -> tuple[_Iterated, float, int]:
+    """Return the method of the steps of a stage, their length and their number."""
+    if in_time.settings.explicit:
+        try:
+            explicit = _ExplicitSteps(system, forms, in_time, last)
+            return explicit, *explicit.steps(stage, in_time.settings)
+        except ValueError as error:
+            raise ValueError(f"stage '{stage.name}': {error}") from None
+    method = _Iterated(system, forms, newton)
+    if is_linear(forms, last.x, last.states):
+        method = _LinearSteps(system, forms, in_time)
+    return method, in_time.step, in_time.steps
 
 
 def _changed(forms: Forms, before: States, after: States) -> float:
