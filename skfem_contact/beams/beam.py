@@ -381,6 +381,12 @@ class Beam(BeamNodes, Slender):
                 new._ground = float(C[-1, -1])
         return new
 
+    @property
+    @override
+    def strains(self) -> tuple[ndarray, ndarray]:
+        assert self._dofs is not None  # a beam of a model
+        return self._elements.strains, self._dofs[self._rows]
+
     @override
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Sequence[Any]:
         remarks: list[Remark] = self._elements.remarks(self._shear)

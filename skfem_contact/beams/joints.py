@@ -16,7 +16,7 @@ from ..arrays import row_norms
 from ..checks import format_point
 from ..errors import Remark
 from ..forms.base import Form
-from ..forms.roles import Body, Touching, borrowed_by
+from ..forms.roles import Body, Couples, Touching, borrowed_by
 from ..layout import Field, FieldDofs
 from .nodes import AT, Nodes
 
@@ -176,7 +176,7 @@ def frame_of(beam: Any, forms: Mapping[str, Any]) -> tuple[list[Any], list[Field
     for form in forms.values():
         if isinstance(form, type(beam)):
             beams.append(form)
-        elif acts_anywhere(form):
+        elif _acts_anywhere(form):
             return [], []
         else:
             touched.update(borrowed_by(form))
@@ -194,7 +194,7 @@ def taken_elsewhere(beam: Any, frame: Sequence[Any]) -> Iterator[tuple[Field, nd
                 yield field, indices
 
 
-def acts_anywhere(form: Any) -> bool:
+def _acts_anywhere(form: Any) -> bool:
     """Return True if a form does not name the dofs that it acts on."""
     known = isinstance(form, Body | Touching) or form.size is not None
     return not (known or borrowed_by(form) or form.fields)
@@ -247,6 +247,33 @@ def loose_dof(parts: Sequence[tuple[ndarray, ndarray]], stiff: ndarray) -> int |
         return None
     largest = np.argmax(np.abs(motion))
     return int(dofs[free[largest]])
+
+
+def refuse_loose(name: str, forms: Mapping[str, Any], held: ndarray) -> None:
+    """Refuse a numbered beam or reinforcement that moves freely: no other form acts on it."""
+    form = forms[name]
+    strains, dofs = form.strains
+    others = [other for other in forms.values() if other is not form]
+    if form.shared is not None or any(_acts_on(other, form.displacement, dofs) for other in others):
+        return
+    loose = loose_dof([(strains, dofs)], held)
+    if loose is None:
+        return
+    element, column = np.argwhere(dofs == loose)[0]
+    moves = 3 * form.dim
+    node = column // form.dim if column < moves else (column - moves) // form.turns
+    point = format_point(form.points[form.cells[element, node]])
+    raise ValueError(
+        f"the {form.kind} '{name}' moves freely at {point}, for nothing acts on its nodes: bond it "
+        "to a line of the mesh, or give it supports, `contact` or Embedded that is active with it"
+    )
+
+
+def _acts_on(form: Any, field: Field, dofs: ndarray) -> bool:
+    """Return True if a numbered form may act on a field with some dofs."""
+    if isinstance(form, Couples) and form.acts_on is not None:
+        return bool(np.isin(dofs, form.acts_on).any())
+    return field in borrowed_by(form) or _acts_anywhere(form)
 
 
 def of_a_line(

@@ -211,6 +211,11 @@ class BeamNodes(Nodes):
     _rows: ndarray
 
     @property
+    def strains(self) -> tuple[ndarray, ndarray]:
+        """Strains of numbered elements by their dofs, (m, q, n), and these, (m, n)."""
+        raise NotImplementedError
+
+    @property
     def extent(self) -> Extent:  # type: ignore[override]
         """Extent of the stiffnesses: in the plane rows without a spacing have no single members."""
         if self.dim == 3 or self.parameters["spacing"] is not None:

@@ -14,13 +14,12 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 from typing_extensions import override
 
-from ..checks import format_point, is_number
-from ..forms.base import Form, Forms, Outputs, Response, counted
-from ..forms.roles import Couples, Regularised, having
+from ..checks import is_number
+from ..forms.base import Outputs, Response, counted
+from ..forms.roles import Regularised
 from ..layout import Field
 from ..sparse import Gathering
 from .element import GAUSS, BeamElements, SpaceElements
-from .joints import acts_anywhere, loose_dof
 from .lines import nodes_of
 from .nodes import BeamNodes, DofName
 
@@ -99,6 +98,7 @@ class Reinforcement(BeamNodes, Regularised):
     [5.0, 5.0, 5.0, 5.0]
     """
 
+    kind = "reinforcement"
     symmetric = True
     thickness = 0.0
     _brought = ("parameters", "spacing", "_EA", "_most", "_least", "unilateral")
@@ -169,6 +169,12 @@ class Reinforcement(BeamNodes, Regularised):
         if self.shared is None:
             new._connect(numbers[self.displacement])
         return new
+
+    @property
+    @override
+    def strains(self) -> tuple[ndarray, ndarray]:
+        assert self._dofs is not None  # of a model
+        return self._strain, self._dofs[self._rows]
 
     def _strains(self, x: ndarray) -> ndarray:
         return np.einsum("mgj,mj->mg", self._strain, x[self._of_model()][self._rows])
@@ -255,27 +261,3 @@ def _check_rows(**values: float) -> None:
         without_limit = name == "Np" and value == np.inf
         if not without_limit and not is_number(value, 0.0, np.inf):
             raise ValueError(f"{name} of reinforcement must be positive, not {value!r}")
-
-
-def refuse_loose(forms: Forms, held: ndarray) -> None:
-    """Refuse numbered reinforcement that moves without force: no other form acts on its nodes."""
-    for name, form in having(forms, Reinforcement).items():
-        others = [other for other in forms.values() if other is not form]
-        if form.shared is not None or any(_acts_on(other, form._dofs) for other in others):
-            continue
-        loose = loose_dof([(form._strain, form._dofs[form._rows])], held)
-        if loose is not None:
-            node = int(np.flatnonzero(form._dofs == loose)[0]) // form.dim
-            point = format_point(form.points[node])
-            raise ValueError(
-                f"the reinforcement '{name}' moves freely at {point}, for nothing acts on its "
-                "nodes: bond it to a line of the mesh, or give it `contact` or Embedded that is "
-                "active with it"
-            )
-
-
-def _acts_on(form: Form, dofs: ndarray) -> bool:
-    """Return True if a numbered form may act on some dofs."""
-    if isinstance(form, Couples) and form.acts_on is not None:
-        return bool(np.isin(dofs, form.acts_on).any())
-    return acts_anywhere(form)

@@ -15,7 +15,8 @@ from typing_extensions import Self
 
 from .. import loads
 from ..arrays import max_abs
-from ..beams.reinforcement import refuse_loose
+from ..beams.joints import refuse_loose
+from ..beams.nodes import BeamNodes
 from ..checks import is_number, positive, unit_vector
 from ..errors import Remark, warn
 from ..forms.base import Form, Forms, as_forms, solids_of
@@ -411,7 +412,8 @@ class Setup:
                 held = np.arange(self.layout.size)
             for remark in form.check_stage(fixed, held, duration):
                 yield replace(remark, text=f"{name}: {remark.text}")
-        refuse_loose(active, np.union1d(fixed, inactive))
+            if isinstance(form, BeamNodes):
+                refuse_loose(name, active, np.union1d(fixed, held))
         yield from hinged(active, fixed)
 
     def system(self, forms: Forms, fixed: ndarray) -> System:

@@ -300,6 +300,15 @@ def test_reinforcement_that_nothing_holds_is_named() -> None:
             [sc.Stage("load", load)]
         )
 
+    # a wall is held by its contact, which must be active
+    wall = sc.Beam(None, [(0.5, 1.0), (1.0, 1.0), (1.5, 1.0)], EI=1.0, EA=500.0)
+    anchored = forms | {
+        "grid": wall,
+        "anchor": sc.Bar(basis, wall.at((1.0, 1.0)), (1.0, 0.0), EA=1.0),
+    }
+    with pytest.raises(ValueError, match="stage 'grid': the beam 'grid' moves freely"):
+        sc.Model(anchored, box).run(later)
+
     # an anchor across it at one node leaves the others: what is singular has coordinates
     held = sc.Model(forms, box)
     for search in (held.is_stable, held.strength_reduction, held.limit_load):
