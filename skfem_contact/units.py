@@ -183,7 +183,7 @@ def unit_of_parameter(name: str, extent: Extent = "member") -> str:
 
 
 def kind_per(kind: str, extent: Extent) -> str:
-    """Return the kind of the unit of what is of a kind for a whole member."""
+    """Return the kind of a unit per extent, given its kind for a whole member."""
     return _PER[extent].get(kind, kind)
 
 

@@ -387,7 +387,7 @@ def _linear(pair: Any, points: SlavePoints, pressed: ndarray, planes: Sequence[A
 
 
 def _of_symmetry(k: int, planes: Sequence[Any], dim: int) -> ndarray:
-    """Return a mask of one and the coordinates: those that a component has beside planes."""
+    """Return a mask of the functions, one and the coordinates, that symmetry leaves a component."""
     fits = np.ones(1 + dim, bool)
     for plane in planes:
         is_odd = np.arange(1 + dim) == 1 + plane.axis

@@ -22,7 +22,7 @@ _SLIVER = 0.01
 class Transfer:
     """Transfer of values between points of an undeformed slave: interpolated in the plane.
 
-    In space values are those of the nearest old point.
+    In space points have the values of the nearest old one.
     """
 
     slave: Surface
