@@ -47,6 +47,8 @@ def on_ripple(pair: ContactBase, state: ContactState, meshed: ndarray) -> Iterat
     total = float(points.weight @ np.abs(pressure))
     if points.nodes.shape[1] == 1 or total == 0.0:
         return
+    if points.weight @ pressure < 0.0:  # a bond in tension ripples as one in compression
+        pressure = -pressure
     size = max(pair.slave.spacing, pair.facets.spacing)
     touching = np.unique(points.facet[pressure != 0.0])
     if pair.slave.area[touching].sum() < _LEAST * size ** (pair.slave.dim - 1):
@@ -157,8 +159,9 @@ class _Compared:
     def ripples(self) -> ndarray:
         """Root mean squares of the differences over the mean of the first values."""
         weight = self.weight[self.inside]
-        mean = float(weight @ self.values[self.inside, 0]) / float(weight.sum())
-        squares = weight @ self.rest[self.inside] ** 2 / weight.sum()
+        area = max(float(weight.sum()), np.finfo(float).tiny)
+        mean = float(weight @ self.values[self.inside, 0]) / area
+        squares = weight @ self.rest[self.inside] ** 2 / area
         if not mean > 0.0:  # only open points
             return np.zeros(len(squares))
         return np.asarray(np.sqrt(squares) / mean)

@@ -27,6 +27,7 @@ from tests.tools.scenes import remarked
 METHODS = [None, sc.AugmentedLagrangian(), sc.DualMultipliers()]
 IDS = ["penalty", "augmented", "dual"]
 A, B, C = 0.3, 0.6, 1.0
+SMOOTH = sc.Coulomb()
 
 
 def curved_annulus(inner: float, outer: float, n: int, layers: int) -> MeshQuad2:
@@ -43,7 +44,9 @@ def curved_annulus(inner: float, outer: float, n: int, layers: int) -> MeshQuad2
     return replace(mesh, doflocs=x).with_boundaries(flat.boundaries)
 
 
-def pressed_rings(element: str, n: int, m: int, strain: float, **options) -> tuple[float, str]:
+def pressed_rings(
+    element: str, n: int, m: int, strain: float, law=SMOOTH, **options
+) -> tuple[float, str]:
     """Error of the pressure between two rings, root mean square over Lame's, and remarks.
 
     The load is a strain times E.
@@ -52,7 +55,7 @@ def pressed_rings(element: str, n: int, m: int, strain: float, **options) -> tup
     kind = curved_annulus if element == "Q2" else annulus
     mesh = sc.join_bodies({"i": kind(A, B, n, 4), "o": kind(B, C, m, 4)})
     basis = vector_basis(mesh, element, intorder=4)
-    joint = sc.ContactPair(basis, "o:inner", "i:outer", sc.Coulomb(), **options)
+    joint = sc.ContactPair(basis, "o:inner", "i:outer", law, **options)
     forms = {"solid": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.25)), "joint": joint}
     held = []
     for radius in (A, C):
@@ -95,6 +98,26 @@ def test_ripple_is_told_by_its_size(enforcement) -> None:
     error, remarks = pressed_rings("Q1", 64, 52, 1e-5, enforcement=enforcement)
     told = float(remarks.partition("ripples by about ")[2].partition("%")[0]) / 100
     assert error > 0.5 and 0.5 < told / error < 2.0
+
+
+@pytest.mark.parametrize("enforcement", METHODS, ids=IDS)
+def test_bonded_rings_that_are_pulled(enforcement) -> None:
+    """[X] Bonded rings that are pulled apart have Lame's stress between them, as pressed ones; the
+    run ended with a division by zero.
+    """
+    bond = {"law": sc.Tied(), "enforcement": enforcement}
+    pressed, _ = pressed_rings("Q1", 64, 52, 1e-5, **bond)
+    pulled, remarks = pressed_rings("Q1", 64, 52, -1e-5, **bond)
+    assert pulled < 0.012  # the compliance of the penalty makes 1.1 %
+    assert abs(pulled - pressed) < 1e-6 and "ripple" not in remarks
+
+
+def test_ripple_of_a_bond_in_tension_is_told() -> None:
+    """[X] Gaps of facets count in a brittle bond: its tension ripples, within a fifth as told."""
+    bond = sc.Coulomb(adhesion=1e9, tension=1e9)
+    error, remarks = pressed_rings("Q1", 64, 52, -1e-5, law=bond)
+    told = float(remarks.partition("ripples by about ")[2].partition("%")[0]) / 100
+    assert error > 0.2 and abs(told / error - 1.0) < 0.2
 
 
 def test_ripple_is_looked_for_on_all_facets_of_a_small_contact(monkeypatch) -> None:
