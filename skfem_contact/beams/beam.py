@@ -28,7 +28,7 @@ from .element import BeamElements, Flow, Hinges, ShellElements, SpaceElements
 from .joints import (
     Taken,
     frame_of,
-    loose_dof,
+    loose_motion,
     of_a_line,
     rotations_of,
     swinging,
@@ -45,6 +45,9 @@ from .thrust import counts, lost_stiffness
 
 #: Round-off of a displacement or a rotation, as a share of it.
 _ROUND_OFF = 2e-16
+#: Displacements over rotations, in a motion without strain, up to which a beam only spins: they are
+#: 1e-13 for piles of 1 to 60 m, and the length of the beam where it moves as a whole.
+_SPIN = 1e-6
 
 
 @dataclass(frozen=True)
@@ -165,7 +168,8 @@ class Beam(BeamNodes, Slender):
     _wet = False
     _parts: Sequence[tuple[ndarray, ndarray]] = ()
     _stiff: ndarray
-    _where: Mapping[int, ndarray]
+    _moves: ndarray
+    _where: Mapping[int, tuple[ndarray, str]]
 
     def __init__(
         self,
@@ -350,15 +354,21 @@ class Beam(BeamNodes, Slender):
         stiff = [np.zeros(0, int), *(numbers[field] for field in self._touched)]
         new._parts = []
         new._where = {}
+        moves = [np.zeros(0, int)]
+        dim = self.dim
         for beam in self._frame:
             dofs = beam._numbers(numbers)
             new._parts.append((beam._elements.strains, dofs[beam._rows]))
             x = np.hstack((beam.displacement.coordinates, beam.rotation.coordinates)).T
-            new._where.update(zip(dofs.tolist(), x, strict=True))
+            names = self._names[:dim] * len(beam.points)
+            names += self._names[dim:] * (beam.rotation.n // beam.turns)
+            new._where.update(zip(dofs.tolist(), zip(x, names, strict=True), strict=True))
+            moves.append(dofs[: beam.displacement.n])
             if beam.shared is not None:
                 stiff.append(beam.shared.ravel())
             stiff += [numbers[field][taken] for field, taken in taken_elsewhere(beam, self._frame)]
         new._stiff = np.concatenate(stiff)
+        new._moves = np.concatenate(moves)
         return new
 
     @override
@@ -393,18 +403,31 @@ class Beam(BeamNodes, Slender):
         if not self._parts:
             return remarks
         # Hinges and supports may leave a motion without force.
-        loose = loose_dof(self._parts, np.concatenate((fixed, held, self._stiff)))
+        loose = loose_motion(self._parts, np.concatenate((fixed, held, self._stiff)))
         if loose is not None:
-            raise ValueError(
-                "the beam is a mechanism: its supports and hinges leave a motion without force, "
-                f"the largest at {format_point(self._where[loose])}"
-            )
+            raise ValueError(self._mechanism(*loose))
         if self.shared is not None and self.coordinates == "plane":
             # An end that supports fix along the beam alone may turn.
             corners = self.points[self.cells]
             met = np.concatenate([dofs[:, 6:8].ravel() for _, dofs in self._parts])
             remarks += turning_ends(corners, self._parts[0][1], met, fixed)
         return remarks
+
+    def _mechanism(self, dofs: ndarray, motion: ndarray) -> str:
+        """Return a message on the displacements of some dofs in a motion without force."""
+        size = np.abs(motion)
+        where, name = self._where[int(dofs[np.argmax(size)])]
+        at = format_point(where)
+        moved = size[np.isin(dofs, self._moves)]
+        if self.coordinates == "space" and max_abs(moved) < _SPIN * max_abs(motion):
+            return (
+                f"the beam spins about its axis at {at}, which nothing resists: hold one rotation "
+                f'of one node, such as *beam.dofs({at}, ["{name}"]), or take a bar between hinges'
+            )
+        return (
+            "the beam is a mechanism: its supports and hinges leave a motion without force, "
+            f"the largest at {at}"
+        )
 
     @property
     def _finite(self) -> bool:

@@ -214,8 +214,10 @@ def _takes(beam: Any, other: Any) -> bool:
     return False
 
 
-def loose_dof(parts: Sequence[tuple[ndarray, ndarray]], stiff: ndarray) -> int | None:
-    """Return the dof that moves most in a motion without strain, or None if none exists.
+def loose_motion(
+    parts: Sequence[tuple[ndarray, ndarray]], stiff: ndarray
+) -> tuple[ndarray, ndarray] | None:
+    """Return dofs and their displacements in a motion without strain, or None if none exists.
 
     Parts are strains of elements, (m, q, n), and their dofs, (m, n); stiff dofs do not move.
     """
@@ -245,8 +247,7 @@ def loose_dof(parts: Sequence[tuple[ndarray, ndarray]], stiff: ndarray) -> int |
         motion /= np.linalg.norm(motion)
     if motion @ (K @ motion) > 2.0 * _NO_STRAIN:
         return None
-    largest = np.argmax(np.abs(motion))
-    return int(dofs[free[largest]])
+    return dofs[free], motion
 
 
 def refuse_loose(name: str, forms: Mapping[str, Any], held: ndarray) -> None:

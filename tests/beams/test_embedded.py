@@ -452,6 +452,31 @@ def test_turned_by_an_angle_in_space():
     assert abs(turned - straight).max() < 1e-3 * abs(straight).max()
 
 
+@pytest.mark.parametrize("slope", [0.0, 0.5])
+def test_a_pile_alone_spins_about_its_axis(slope):
+    """[X] One rotation that is held, anywhere, stops the spin of a raking pile without a moment. The
+    message said that the beam is a mechanism.
+    """
+    mesh = MeshHex.init_tensor(*3 * [np.linspace(0.0, 4.0, 5)]).with_defaults()
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    line = np.linspace((1.2, 1.3, 3.9), (1.2 + slope, 1.3, 0.9), 5)
+    beam = sc.Beam(None, line, EI=2e4, EA=1e6)
+    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(2e4, 0.3)), "pile": beam}
+    forms["skin"] = sc.Embedded(basis, beam, T_max=30.0, radius=0.3)
+    bottom = basis.get_dofs("bottom").all()
+    with pytest.raises(ValueError, match=r"spins about its axis .* \*beam\.dofs\(.*theta\^3"):
+        sc.Model(forms, bottom).run([sc.Stage("rest")], **QUIET)
+    found = []
+    for held in (line[0], line[-1]):
+        model = sc.Model(forms, [bottom, *beam.dofs(held, ["theta^3"])])
+        pile = model.forms["pile"]
+        push = pile.load((3.0, 5.0, 0.0), at=line[0])
+        stage = model.run([sc.Stage("push", push)], **QUIET)["push"]
+        found.append(stage.x[pile.numbers(line[0])[:3]])
+        assert abs(stage.reactions()[pile.numbers(held)[5]]) < 1e-9
+    assert np.allclose(found[0], found[1], rtol=1e-9)
+
+
 def winkler(length, m, EI, p_max=None, k=1e4, spacing=1.0):
     """Model of an upright pile of m elements in ground that does not move, springs of stiffness k
     per length.
