@@ -100,8 +100,7 @@ def check(
             "refine=True cuts straight triangles, MeshTri or MeshTri2 with straight sides, but "
             f"this is a {type(mesh).__name__}"
         )
-    if setup.gravity[-1] != -1.0:
-        raise ValueError("refine=True needs gravity against the last axis")
+    setup.check_upright("refine=True needs")
     # Strengths must be known on the finer mesh as well.
     for name, form in solids.items():
         for region in form.regions:

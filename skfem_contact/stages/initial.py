@@ -126,7 +126,7 @@ def k0_state(
     ------
     ValueError
         Unknown subdomain, elements without K0, different unit weights at the same height (the
-        ground is not level).
+        ground is not level), or gravity that is not against the last axis.
 
     Examples
     --------
@@ -143,6 +143,7 @@ def k0_state(
     (True, True)
     """
     # Vertical stresses by the weight of the layers above.
+    setup.check_upright("the K0 procedure needs", ", or take gravity_state")
     solids = setup.solids
     mesh = next(iter(solids.values())).basis.mesh
     elements = elements_in(solids.values())

@@ -180,14 +180,18 @@ class Setup:
             )
         return down + horizontal
 
+    def check_upright(self, what: str, otherwise: str = "") -> None:
+        """Refuse what needs gravity against the last axis where it acts otherwise."""
+        if self.gravity[-1] != -1.0:
+            raise ValueError(
+                f"{what} gravity against the last axis, not {self.gravity.tolist()}: rotate the "
+                f"mesh{otherwise}"
+            )
+
     @property
     def seismic(self) -> float | ndarray:
         """Horizontal acceleration over the one of gravity, which is against the last axis."""
-        if self.gravity[-1] != -1.0:
-            raise ValueError(
-                f"bounds need gravity against the last axis, not {self.gravity.tolist()}: rotate "
-                f"the mesh"
-            )
+        self.check_upright("bounds need")
         if len(self.gravity) == 2:
             return float(self.gravity[0])
         return self.gravity[:-1]
@@ -284,11 +288,8 @@ class Setup:
                 "active: give structures alone a load of their own, such as beam.line_load"
             )
         is_level = not callable(water) and np.ndim(water) != 1
-        if self.gravity[-1] != -1.0 and is_level:
-            raise ValueError(
-                f"levels need gravity against the last axis, not {self.gravity.tolist()}: rotate "
-                "the mesh, or give the water as a function of the coordinates"
-            )
+        if is_level:
+            self.check_upright("levels need", ", or give water as a function of the coordinates")
         loaded = having(forms, Loaded).values()
         for wet in loads_at_rest(solids, loaded, water, self.water_unit_weight):
             total[: len(wet)] += wet

@@ -454,8 +454,9 @@ def test_turned_by_an_angle_in_space():
 
 @pytest.mark.parametrize("slope", [0.0, 0.5])
 def test_a_pile_alone_spins_about_its_axis(slope):
-    """[X] One rotation that is held, anywhere, stops the spin of a raking pile without a moment. The
-    message said that the beam is a mechanism.
+    """[X] One rotation that is held, anywhere, stops the spin of a raking pile without a moment.
+
+    The message said that the beam is a mechanism.
     """
     mesh = MeshHex.init_tensor(*3 * [np.linspace(0.0, 4.0, 5)]).with_defaults()
     basis = vector_basis(mesh, "Q1", intorder=2)

@@ -251,6 +251,22 @@ def test_bad_water_table(table):
         sc.hydrostatic(table, unit_weight=9.81)
 
 
+def test_upright_gravity_is_demanded():
+    """[X] The weight above a point would count along the last axis; gravity that acts along x gives
+    the stress 20 times the distance from the free end.
+    """
+    mesh = MeshQuad.init_tensor(np.linspace(0, 4, 5), np.linspace(0, 1, 2)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0), unit_weight=20.0)
+    fixed = [basis.get_dofs("left").all("u^1"), basis.get_dofs(["bottom", "top"]).all("u^2")]
+    model = sc.Model({"soil": soil}, fixed, gravity=(-1.0, 0.0))
+    with pytest.raises(ValueError, match=r"K0 procedure needs gravity against .* \[-1.0, 0.0\]"):
+        model.k0_state(K0=0.5)
+    stress = model.gravity_state(K0=0.5)["initial"].states["soil"].stress
+    distance = 4.0 - basis.global_coordinates()[0].mean(axis=1)
+    np.testing.assert_allclose(stress[0].mean(axis=1), -20.0 * distance, atol=1e-9)
+
+
 def test_level_ground_is_demanded():
     """Different weights side by side: the heights and the weights are named; elements without K0
     too.
