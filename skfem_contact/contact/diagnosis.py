@@ -125,11 +125,13 @@ def _on_bonds(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
     without = (broken == state.internal).all(axis=0)
     lost = has_bond & without & (state.status != Status.OPEN)
     if lost.any():
+        where = pair.points(state).positions(pair.slave.nodes)[np.argmax(lost)]
         yield Remark(
             "bond",
             lost.sum(),
-            f"points {np.flatnonzero(lost)} of '{pair.slave.name}' opened with their bond and "
-            "closed without it: they have lost it, adhesion and tension, for good",
+            f"{lost.sum()} points of '{pair.slave.name}', the first at {format_point(where)}, "
+            "opened with their bond and closed without it: they have lost it, adhesion and "
+            "tension, for good",
         )
 
 

@@ -575,7 +575,7 @@ def _active_after(stage: Stage, forms: Forms, active: set[str]) -> set[str]:
     activated = names_of(stage.activate)
     deactivated = names_of(stage.deactivate)
     for name in (*activated, *deactivated, *stage.change):
-        look_up(name, forms, "form")
+        _check_form(name, forms)
     for name in activated:
         if name in active:
             raise ValueError(f"'{name}' is activated, but it is active already")
@@ -583,6 +583,20 @@ def _active_after(stage: Stage, forms: Forms, active: set[str]) -> set[str]:
         if name not in active:
             raise ValueError(f"'{name}' is deactivated, but it is not active")
     return (active | set(activated)) - set(deactivated)
+
+
+def _check_form(name: str, forms: Forms) -> None:
+    """Refuse a name that is no form; a subdomain of the mesh may become one."""
+    try:
+        look_up(name, forms, "form")
+    except ValueError as error:
+        for solid in solids_of(forms).values():
+            if name in (solid.basis.mesh.subdomains or {}):
+                raise ValueError(
+                    f"{error}; '{name}' is a subdomain of the mesh: give it a solid of its own, "
+                    f"SolidForm(basis.with_elements('{name}'), ...)"
+                ) from None
+        raise
 
 
 def own_arrays(water: Any) -> Any:

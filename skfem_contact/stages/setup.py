@@ -471,7 +471,8 @@ def _coordinates_of(forms: Forms) -> str | None:
             given[name] = form.coordinates
     if len(set(given.values())) > 1:
         raise ValueError(
-            f"the forms have different coordinate systems, {given}: give all the same `coordinates`"
+            f"the forms have different coordinate systems, {given}: give all the same "
+            "`coordinates`; embedded beams, reinforcement and curves along piles have no other"
         )
     return next(iter(given.values()), None)
 

@@ -208,7 +208,7 @@ def test_bad_input(make, message):
 
 
 def test_without_ground_and_in_bounds():
-    """No solid, and bounds: both are refused by name."""
+    """No solid, bounds, and axial symmetry are refused by name."""
     basis = ground(1)
     beam = sc.Beam(None, [(0.0, -1.0), (0.0, -5.0)], EI=1.0, EA=1.0)
     with pytest.raises(ValueError, match="needs ground"):
@@ -216,6 +216,10 @@ def test_without_ground_and_in_bounds():
     model, _ = pile(basis)
     with pytest.raises(ValueError, match="no bounds with"):
         model.bounds(weight=20.0)
+    half = ground(1).with_elements(lambda x: x[0] > 0.0)
+    of_revolution = sc.SolidForm(half, ELASTIC, coordinates="axisymmetric")
+    with pytest.raises(ValueError, match=r"embedded beams, .* have no other"):
+        sc.Model({"soil": of_revolution, "beam": beam, "skin": sc.Embedded(basis, beam, 5.0)})
 
 
 def in_space(side, fraction, pushed=False, T_max=1e6, F_max=1e6):

@@ -308,6 +308,9 @@ def test_names_are_checked():
         r"stage 's': there is no form 'layer 3'; existing: layer 0, layer 1, layer 2",
         sc.Stage("s", load, deactivate="layer 3"),
     )
+    whole = sc.Model({"all": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU))}, fixed)
+    with pytest.raises(ValueError, match=r"'layer 2' is a subdomain .*with_elements\('layer 2'\)"):
+        whole.run([sc.Stage("s", load, deactivate="layer 2")], **QUIET)
     error("there is no form 'pile'", sc.Stage("s", load, activate="pile"))
     error("there is no form 'pile'", sc.Stage("s", load, change={"pile": forms["layer 0"]}))
     error(
