@@ -22,7 +22,7 @@ from ..results.stage import StageResult
 from .in_time import InTime, inertia_of, remarks_on_base
 from .setup import Setup, let_go
 from .stage import Stage
-from .supports import check_supports
+from .supports import check_supports, remarks_on_turns
 
 #: Share of the nodes of a solid from which a load is its weight: a traction acts on half of them at
 #: most.
@@ -164,6 +164,7 @@ class Planner:
             *self._of_regions(stage),
             *self._of_pressures(stage, load, prescribed),
             *self._of_free_dofs(prescribed),
+            *self._of_turns(stage, prescribed),
             *_of_jump(stage, load, jump),
             *_of_removal(stage, on_top_before, load),
             *remarks_on_base(self._setup, stage),
@@ -324,8 +325,7 @@ class Planner:
             with trusted_calls():
                 return whole(given)
 
-        end = 1.0 if stage.dynamic is None else stage.duration
-        return at(end), at
+        return at(_end_of(stage)), at
 
     def _on_top_before(self, stage: Stage) -> ndarray:
         """Return the load on top of weights and water before a stage."""
@@ -455,7 +455,7 @@ class Planner:
         """Refuse loads on pressures; report prescribed pressures that are not held."""
         layout = self._setup.layout
         if callable(prescribed):
-            prescribed = prescribed(1.0 if stage.dynamic is None else stage.duration)
+            prescribed = prescribed(_end_of(stage))
         if prescribed is None:
             given = np.zeros(0, int)
         else:
@@ -504,6 +504,17 @@ class Planner:
                 f"displacements are prescribed at {len(given)} dofs, none of which is held, which "
                 "does nothing: name them in `fixed`",
             )
+
+    def _of_turns(
+        self, stage: Stage, prescribed: ndarray | Callable[[float], ndarray] | None
+    ) -> Iterator[Remark]:
+        """Yield a remark on boundaries that are turned beside solids of small rotations."""
+        bodies = list(solids_of(self._active).values())
+        if prescribed is None or self._setup.finite or not bodies:
+            return
+        if callable(prescribed):
+            prescribed = prescribed(_end_of(stage))
+        yield from remarks_on_turns(bodies[0].basis, self._supports, prescribed)
 
     def _of_weights(
         self,
@@ -597,6 +608,13 @@ def _check_form(name: str, forms: Forms) -> None:
                     f"SolidForm(basis.with_elements('{name}'), ...)"
                 ) from None
         raise
+
+
+def _end_of(stage: Stage) -> float:
+    """Return the argument of functions at the end of a stage: its share, or the time."""
+    if stage.dynamic is None:
+        return 1.0
+    return stage.duration
 
 
 def own_arrays(water: Any) -> Any:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from skfem import Basis, ElementHex1, ElementVector, MeshHex
@@ -81,3 +83,38 @@ def test_searches_tell_nodes_on_the_axis_that_are_not_held() -> None:
     model = sc.Model({"ground": ground}, basis.get_dofs({"bottom", "right"}).all())
     with pytest.warns(sc.AnalysisWarning, match=r"ground: 2 nodes on the axis"):
         model.strength_reduction(progress=False, max_value=1.1)
+
+
+@pytest.mark.parametrize("kinematics", ["small", "finite"])
+@pytest.mark.parametrize("motion", ["turned", "linear", "stretched"])
+def test_boundaries_that_turn_are_told(kinematics, motion, recwarn):
+    """[X] A bar whose surface turns about its axis by 5 degrees has no stress by the exact rotation
+    at finite kinematics, nor by the linear one at small ones, and E (cos 5 - 1) by the exact one.
+    """
+    line = np.linspace(-1.0, 1.0, 3)
+    mesh = MeshHex.init_tensor(line, line, np.linspace(0.0, 4.0, 5)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0), kinematics=kinematics)
+    model = sc.Model({"bar": solid}, basis.get_dofs().all())
+    angle = np.radians(5.0)
+    H = {
+        "turned": np.array(
+            [[np.cos(angle) - 1.0, -np.sin(angle)], [np.sin(angle), np.cos(angle) - 1.0]]
+        ),
+        "linear": angle * np.array([[0.0, -1.0], [1.0, 0.0]]),
+        "stretched": angle * np.eye(2),
+    }[motion]
+    u = np.zeros((3, basis.N // 3))
+    u[:2] = H @ basis.doflocs[:2, ::3]
+    stage = sc.Stage("turn", prescribed=u.T.ravel(), increments=2)
+    stress = model.run([stage], progress=False)["turn"].field("sxx")
+    told = [w for w in recwarn if "nodes by 5.0 degrees" in str(w.message)]
+    assert len(told) == (motion == "turned" and kinematics == "small")
+    if motion != "stretched" and (motion == "turned") == (kinematics == "finite"):
+        assert abs(stress).max() < 1e-9
+    if told:
+        whole = replace(stage, fixed=np.arange(basis.N))  # nothing deforms beside
+        recwarn.clear()
+        model.run([whole], progress=False)
+        assert not [w for w in recwarn if "nodes by 5.0 degrees" in str(w.message)]
+        assert np.allclose(stress, 1e3 * (np.cos(angle) - 1.0))
