@@ -607,7 +607,10 @@ def _values_at(basis: CellBasis, probes: ndarray) -> tuple[csr_matrix, csr_matri
 
 
 def _leaving(points: ndarray) -> ValueError:
-    return ValueError(f"the embedded beam leaves the mesh at {format_point(points[0])}")
+    return ValueError(
+        f"the embedded beam leaves the mesh at {format_point(points[0])}: make the part outside a "
+        "beam of its own, which this one is joined_to"
+    )
 
 
 def _probes(basis: CellBasis, points: ndarray) -> coo_matrix:
