@@ -207,7 +207,7 @@ class Stepping:
         if self._alike >= _ALIKE:
             return (
                 f"{reached}, for nothing resists any part of it: all forces grow in proportion to "
-                "it, friction too, which is too small to hold the body (more friction, or a "
+                "it, friction too, which is too small to hold body or soil (more friction, or a "
                 "support)"
             )
         if self._limited:
