@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags_array
 
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import frame, unit
 from .quadrature import ON_PLANE
+from .search import project
 
 #: Square of the cosine between a direction and supports that hold it.
 _HELD = 0.99
@@ -75,20 +75,8 @@ class Symmetry:
     @classmethod
     def of(cls, slave: Surface, master: Surface, fixed: ndarray) -> Symmetry:
         """Return the nodes that fixed dofs hold."""
-        reach = max(slave.spacing, master.spacing)
         own = np.where(np.isin(slave.dofs, fixed), slave.dofs, -1)
-        opposite = np.full(own.shape, -1)
-
-        # Find held nodes of the master on the same plane, direction by direction
-        for i in range(slave.dim):
-            members = np.flatnonzero((master.dofs[:, i] >= 0) & np.isin(master.dofs[:, i], fixed))
-            if len(members) == 0:
-                continue
-            distance, nearest = scipy.spatial.cKDTree(master.nodes[members]).query(slave.nodes)
-            beside = members[nearest]
-            apart = np.abs(master.nodes[beside, i] - slave.nodes[:, i])
-            on_plane = (distance < reach) & (apart < ON_PLANE * reach)
-            opposite[on_plane, i] = master.dofs[beside[on_plane], i]
+        opposite = _opposite(slave, master, fixed)
         held = (own >= 0) & (opposite >= 0)
 
         # Normals of the whole surface lie in the plane, but at corners that are wholly held
@@ -116,6 +104,22 @@ class Symmetry:
         held = self.own >= 0
         apart = np.where(held, x[self.own] - x[self.opposite], 0.0)
         return np.asarray((np.abs(apart) > round_off).any(axis=1))
+
+
+def _opposite(slave: Surface, master: Surface, fixed: ndarray) -> ndarray:
+    """Return dofs of the master opposite the slave's nodes, (n_nodes, dim), or -1.
+
+    They count where supports hold all nodes that move the point opposite. On a rim these are the
+    ends of a side, which need not be opposite nodes.
+    """
+    unlimited = np.full(len(slave.nodes), np.inf)
+    closest = project(master.facing(slave), master.nodes, slave.nodes, unlimited)
+    nodes = master.facets[closest.facet]
+    N = np.abs(master.shape.at(closest.facet, closest.xi, 0)[0])
+    dofs = master.dofs[nodes]  # (n_nodes, k, dim)
+    is_held = (dofs >= 0) & np.isin(dofs, fixed)
+    stands = (is_held | (N <= ON_PLANE)[:, :, None]).all(axis=1) & closest.found[:, None]
+    return np.where(stands, dofs[np.arange(len(N)), N.argmax(axis=1)], -1)
 
 
 def _followed(slave: Surface, held: ndarray) -> csr_matrix | None:
