@@ -257,10 +257,11 @@ def refuse_loose(name: str, forms: Mapping[str, Any], held: ndarray) -> None:
     others = [other for other in forms.values() if other is not form]
     if form.shared is not None or any(_acts_on(other, form.displacement, dofs) for other in others):
         return
-    loose = loose_dof([(strains, dofs)], held)
+    loose = loose_motion([(strains, dofs)], held)
     if loose is None:
         return
-    element, column = np.argwhere(dofs == loose)[0]
+    moving, motion = loose
+    element, column = np.argwhere(dofs == moving[np.argmax(np.abs(motion))])[0]
     moves = 3 * form.dim
     node = column // form.dim if column < moves else (column - moves) // form.turns
     point = format_point(form.points[form.cells[element, node]])
