@@ -107,6 +107,15 @@ def unit_vector(value: Any, size: int, name: str) -> ndarray:
     return direction
 
 
+def check_upright(gravity: Sequence[float] | ndarray, what: str, otherwise: str = "") -> None:
+    """Refuse what needs gravity against the last axis where it acts otherwise."""
+    if gravity[-1] != -1.0:
+        raise ValueError(
+            f"{what} gravity against the last axis, not {np.asarray(gravity).tolist()}: rotate the "
+            f"mesh{otherwise}"
+        )
+
+
 def dofs(value: Any, size: int, name: str) -> ndarray:
     """Return numbers of dofs, each once, in ascending order: whole numbers from 0 to size - 1."""
     numbers = np.atleast_1d(np.asarray(value))

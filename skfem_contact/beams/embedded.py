@@ -519,7 +519,7 @@ def _limit(
 ) -> ndarray:
     """Return a resistance at points that stand for lengths one after the other, () or (n,).
 
-    A function counts with its mean over each length, so that jumps between points have their place.
+    A function counts with its mean over each length, wherever it jumps.
     """
     limit = values
     if callable(values):

@@ -93,6 +93,8 @@ class Material:
         then.
     undrained : bool
         Whether the stress contains an excess pore pressure, which :meth:`drained` removes.
+    upright : bool
+        Whether the last axis is the vertical one: models refuse gravity along others.
 
     Examples
     --------
@@ -115,6 +117,7 @@ class Material:
     stress_dependent: bool = False
     hyperelastic: bool = False
     undrained: bool = False
+    upright: bool = False
 
     def elasticity(
         self,

@@ -52,10 +52,10 @@ _STRENGTHS = ("s_uA", "s_uDSS", "s_uP")
 class NgiAdp(Isotropic):
     """Undrained clay with active, direct simple shear and passive strength, in total stresses.
 
-    The vertical axis is y in the plane and z in space. Strengths are reached exactly in plane
-    strain; in triaxial compression the strength is a little smaller than the active one, by
-    ``triaxial``. Yielding begins at the initial stress, which the material remembers; unloading is
-    elastic.
+    The vertical axis is y in the plane and z in space, and models refuse gravity along others.
+    Strengths are reached exactly in plane strain; in triaxial compression the strength is a little
+    smaller than the active one, by ``triaxial``. Yielding begins at the initial stress, which the
+    material remembers; unloading is elastic.
 
     Parameters
     ----------
@@ -91,6 +91,7 @@ class NgiAdp(Isotropic):
     gamma_P: Given | None = None
     triaxial: float = 0.99
 
+    upright = True
     internal = (
         Internal(PLASTIC_STRAIN),
         Internal("share of failure"),

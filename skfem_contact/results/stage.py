@@ -12,7 +12,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
-from ..checks import finite, look_up, number
+from ..checks import check_upright, finite, look_up, number
 from ..display import Table
 from ..forms.base import Forms, internal_force, solids_of
 from ..forms.roles import Touching, having
@@ -251,6 +251,8 @@ class StageResult(files.StageData):
         """
         if not S > 0.0 or not m > 0.0:
             raise ValueError(f"S and m must be positive, not {S!r} and {m!r}")
+        if self.gravity is not None:
+            check_upright(self.gravity, "vertical stresses of shansep need")
         return strength.shansep(*self._solid(solid), S, m, OCR, POP)
 
     def drawdown_strength(

@@ -372,6 +372,7 @@ def _among_all(setup: Setup, kept: ndarray, result: Result) -> Result:
                 summary=summary,
                 forms=forms,
                 layout=setup.layout,
+                gravity=tuple(float(part) for part in setup.gravity),
                 before=None,
                 changed={},
                 supports=None,

@@ -17,7 +17,7 @@ from .. import loads
 from ..arrays import max_abs
 from ..beams.joints import refuse_loose
 from ..beams.nodes import BeamNodes
-from ..checks import is_number, positive, unit_vector
+from ..checks import check_upright, is_number, positive, unit_vector
 from ..errors import Remark, warn
 from ..forms.base import Form, Forms, as_forms, solids_of
 from ..forms.roles import (
@@ -86,6 +86,7 @@ class Setup:
         if water_unit_weight is not None and not is_number(water_unit_weight, 0.0, np.inf):
             raise ValueError(f"water_unit_weight must be positive, not {water_unit_weight!r}")
         self.gravity = self._acceleration(gravity, seismic)
+        self._check_materials(self.forms)
         self.gravity_acceleration = gravity_acceleration
         if gravity_acceleration is not None:
             positive(gravity_acceleration, "gravity_acceleration")
@@ -180,13 +181,16 @@ class Setup:
             )
         return down + horizontal
 
+    def _check_materials(self, forms: Forms) -> None:
+        """Refuse materials of which the last axis is the vertical one where gravity differs."""
+        for name, form in solids_of(forms).items():
+            for region, material in form.materials.items():
+                if material.upright:
+                    self.check_upright(f"the material of '{region}' in '{name}' needs")
+
     def check_upright(self, what: str, otherwise: str = "") -> None:
         """Refuse what needs gravity against the last axis where it acts otherwise."""
-        if self.gravity[-1] != -1.0:
-            raise ValueError(
-                f"{what} gravity against the last axis, not {self.gravity.tolist()}: rotate the "
-                f"mesh{otherwise}"
-            )
+        check_upright(self.gravity, what, otherwise)
 
     @property
     def seismic(self) -> float | ndarray:
@@ -256,6 +260,7 @@ class Setup:
                 form = form.numbered(numbers)
                 form.fields = old.fields
             found[name] = form
+        self._check_materials(found)
         return found
 
     @cached_property

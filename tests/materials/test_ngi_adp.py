@@ -234,3 +234,20 @@ def test_bad_history() -> None:
         match=r"outside the failure surface at 1 of 2 points: 1\.087 of the .* at point 1",
     ):
         sc.element_test(clay(), beyond, biaxial(-0.01))
+
+
+def test_gravity_along_another_axis_is_refused() -> None:
+    """The active strength is that of compression along the last axis, whatever gravity is: refused
+    in a model, and where a stage brings the clay.
+    """
+    basis = vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2)
+    fixed = basis.get_dofs("left").all()
+    forms = {"soil": sc.SolidForm(basis, clay(), unit_weight=18.0)}
+    needs = r"the material of 'all' in 'soil' needs gravity against the last axis, not \[-1"
+    with pytest.raises(ValueError, match=needs):
+        sc.Model(forms, fixed, gravity=(-1.0, 0.0))
+    elastic = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), unit_weight=18.0)}
+    model = sc.Model(elastic, fixed, gravity=(-1.0, 0.0))
+    with pytest.raises(ValueError, match=needs):
+        model.run([sc.Stage("clay", change=forms)], **QUIET)
+    sc.Model(forms, fixed, seismic=0.1)

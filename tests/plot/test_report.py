@@ -358,6 +358,8 @@ def test_resultants_of_loads_count_forces_alone() -> None:
     result = dry.run([sc.Stage("wet", water=[(-4.0, -0.3), (4.0, 0.7)])], progress=False)
     nothing = report_tables.loads(result).rows[2]
     assert nothing[1:] == ("other loads", 0.0, 0.0, "")
+    at_rest = report_tables.loads(dry.gravity_state()).rows
+    assert at_rest[0][1] == "weight" and at_rest[0][3] == pytest.approx(-640.0)
 
 
 def test_resultants_of_axial_symmetry_are_per_radian(request) -> None:

@@ -55,3 +55,16 @@ def test_wrong_histories(rest):
     ):
         with pytest.raises(ValueError, match=message):
             stage.shansep("clay", **given)
+
+
+def test_gravity_along_another_axis_is_refused(rest) -> None:
+    """Stresses along the last axis are not vertical where gravity acts along x."""
+    stage, _ = rest
+    basis = stage.forms["clay"].basis
+    clay = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), unit_weight=18.0)
+    model = sc.Model({"clay": clay}, basis.get_dofs("left").all(), gravity=(-1.0, 0.0))
+    turned = model.run([sc.Stage("weight")], progress=False)["weight"]
+    with pytest.raises(ValueError, match=r"shansep need gravity against the last axis, not \[-1"):
+        turned.shansep("clay", S=0.25)
+    upright = sc.Model({"clay": clay}, sc.box_supports(basis)).gravity_state()[-1]
+    assert (upright.shansep("clay", S=0.25)["all"] > 0.0).all()
