@@ -11,7 +11,9 @@ the law is evaluated at the nodes:
 
 Where bodies slide far, points come and go at the rim of the master, and :math:`\psi_j = N_j`. The
 dual function of a small part of a facet is steep: its mean is that of a linear function, which is
-extrapolated to the node, and nodes at the rim would slip the wrong way.
+extrapolated to the node, and nodes at the rim would slip the wrong way. :math:`\psi_j = N_j` as
+well where the master is finer than the slave: it would follow the jumps that a sum of dual
+functions has at the nodes.
 
 So closed nodes have :math:`J_j = 0`, open ones no traction, and sliding ones lie on the friction
 cone, whatever the parameter :math:`\epsilon` is (P. Alart, A. Curnier 1991).  Newton's method for
@@ -48,6 +50,9 @@ _POWER = 2.0 / 3.0
 #: Share of the largest area below which a node faces nothing, and of a facet's largest product of
 #: hats that is round-off.
 _NOTHING, _SINGULAR = 1e-9, 1e-10
+#: Size of the master's facets, over that of the slave's, below which they follow the jumps of the
+#: duals at the slave's nodes: beside a hole, with 6 facets a quarter on 13, stresses err by 13 %.
+_FINER = 0.9
 #: Compliance of the multipliers in the tangent, over that of the penalty: supports may hold both
 #: sides of a node, whose multiplier then has no effect, and a rigid slave leaves combinations
 #: without any. With 1e-10 these err by .4 % of the pressure after two increments of a block under a
@@ -291,7 +296,7 @@ def integrals(
     """
     facing = pair.points(state).take(at)
     psi = pair.nodes_at(state).values[at]
-    if not pair.holds_points:
+    if not pair.holds_points and not is_coarser(pair):
         psi = duals(facing, psi, len(pair.slave.facets))
     if pair.symmetry is not None:
         psi = _spread(psi, pair.symmetry.across[facing.nodes])
@@ -302,6 +307,11 @@ def integrals(
     area = float_bincount(nodes, weights.ravel(), n)
     opened = float_bincount(nodes, (weights * gaps[:, None]).ravel(), n)
     return facing, weights, area, opened
+
+
+def is_coarser(pair: Any) -> bool:
+    """Return True where a body that deforms has smaller facets on the master than on the slave."""
+    return not pair.master.rigid and pair.master.spacing < _FINER * pair.slave.spacing
 
 
 def _spread(psi: ndarray, held: ndarray) -> ndarray:

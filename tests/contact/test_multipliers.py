@@ -662,3 +662,34 @@ def test_friction_at_the_rim_of_a_block_on_its_way() -> None:
         forces.append(stage.reactions()[top.all("u^1")].sum())
     # the last steps, on which all slides
     assert np.abs(np.diff(forces[-6:])).max() < 0.03 * np.mean(forces)
+
+
+@pytest.mark.parametrize(("n", "m"), [(2, 5), (3, 3), (5, 2)])
+def test_coarse_slaves_carry_moments_to_finer_masters(n: int, m: int) -> None:
+    """[X] Pure bending of two quadratic blocks tied across it: stresses in proportion to x, without
+    jumps at the nodes of a coarse slave. On coarser masters duals have the mean alone.
+    """
+    E, nu, slope = 1e4, 0.3, 10.0
+    bodies = {
+        "low": grid("Q2", np.linspace(-1, 1, m + 1), [-1, -0.5, 0]),
+        "up": grid("Q2", np.linspace(-1, 1, n + 1), [0, 0.5, 1]),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), "Q2", intorder=4)
+    method = sc.DualMultipliers()
+    pair = sc.ContactPair(basis, "up:bottom", "low:top", sc.Tied(), enforcement=method)
+    forms = {"solid": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu)), "joint": pair}
+    bent = basis.project(
+        lambda x: (
+            slope
+            * (1 - nu**2)
+            / E
+            * np.stack([-0.5 * (x[1] ** 2 + nu / (1 - nu) * x[0] ** 2), x[0] * x[1]])
+        )
+    )
+    fixed = basis.get_dofs({"low:bottom", "up:top"}).all()
+    prescribed = basis.zeros()
+    prescribed[fixed] = bent[fixed]
+    stage = sc.Model(forms, fixed).run([sc.Stage("bend", prescribed=prescribed)], progress=False)[0]
+    exact = slope * np.asarray(basis.global_coordinates())[0]
+    error = np.abs(stage.states["solid"].stress[1] - exact).max()
+    assert error < (1e-6 if n <= m else 0.05) * slope
