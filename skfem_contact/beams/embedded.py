@@ -521,18 +521,21 @@ def _limit(
 
     A function counts with its mean over each length, wherever it jumps.
     """
-    limit = values
     if callable(values):
         within = (np.arange(_SAMPLES) + 0.5) / _SAMPLES - 1.0
         distances = np.cumsum(lengths)[:, None] + within * lengths[:, None]
-        limit = values(distances.ravel())
-    limit = finite(limit, name)
+        given = values(distances.ravel())
+    else:
+        given = values
+    limit = finite(given, name)
     if limit.shape not in ((), (lengths.size * _SAMPLES,)) or not (limit >= 0.0).all():
         raise ValueError(
             f"{name} must be {what} that is finite and not negative, or a function of the "
             f"distances, (n,), not {values!r}"
         )
-    return limit if limit.ndim == 0 else limit.reshape(-1, _SAMPLES).mean(axis=1)
+    if limit.ndim == 0:
+        return limit
+    return np.asarray(limit.reshape(-1, _SAMPLES).mean(axis=1))
 
 
 def _has_rotations(beam: BeamNodes) -> bool:
