@@ -63,10 +63,6 @@ class NotConverged(RuntimeError):
         self.dof = dof
         self.cycle = tuple(cycle)
 
-    def saying(self, message: str) -> NotConverged:
-        """Return the failure with another message."""
-        return type(self)(message, self.x, self.residuals, self.dof, self.cycle)
-
 
 class NoEquilibrium(NotConverged):
     """Collapse under a load: displacements grow without bound.
@@ -77,6 +73,11 @@ class NoEquilibrium(NotConverged):
     friction and non-associated flow no potential exists, but the mechanism is found in the same
     way.
     """
+
+
+def saying(error: NotConverged, message: str) -> NotConverged:
+    """Return a failure of the same class and state with another message."""
+    return type(error)(message, error.x, error.residuals, error.dof, error.cycle)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..display import progress_bar
-from ..errors import NoEquilibrium, NotConverged
+from ..errors import NoEquilibrium, NotConverged, saying
 from ..forms.base import States, dilate_less
 from ..forms.roles import Reducible, changed
 from ..limit_analysis import beside
@@ -272,9 +272,10 @@ def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: Searc
         return point
     assert error is not None
     where = branch.system.layout.located(error.dof)
-    raise error.saying(
+    raise saying(
+        error,
         f"no equilibrium was found under {multiplier:g} times the reference load; is the structure "
-        f"stable without it? {error}{where}"
+        f"stable without it? {error}{where}",
     ) from error
 
 
@@ -316,7 +317,7 @@ def is_stable(
         except NotConverged as error:
             failure = as_collapse(error, system, origin.x, origin.states, whole, newton)
             if not isinstance(failure, NoEquilibrium) or failure.x is None:
-                raise error.saying(f"{error}{system.layout.located(error.dof)}") from error
+                raise saying(error, f"{error}{system.layout.located(error.dof)}") from error
             states = system.evaluate(failure.x, origin.states, whole).states
             warn_of_errors(system, failure.x, states)
             return False

@@ -14,7 +14,7 @@ from numpy import ndarray
 from ..arrays import max_abs
 from ..checks import names_of
 from ..display import progress_bar
-from ..errors import AnalysisWarning, NoEquilibrium, NotConverged, warn
+from ..errors import AnalysisWarning, NoEquilibrium, NotConverged, saying, warn
 from ..forms.base import Form, Forms, States, part_names, reduced_parts, solids_of
 from ..forms.roles import Body, Reducible, having, materials_of
 from ..limit_analysis import Bounds, at_hand, beside
@@ -648,12 +648,13 @@ def _first(
     where = branch.system.layout.located(error.dof)
     most = f"{1 / _FIRST[-1]:g} times its strength"
     if isinstance(error, NoEquilibrium):
-        raise error.saying(
-            f"the structure does not resist its load even with {most}: {error}"
+        raise saying(
+            error, f"the structure does not resist its load even with {most}: {error}"
         ) from error
-    raise error.saying(
+    raise saying(
+        error,
         f"no equilibrium to start from was found, with up to {most}, and no collapse either; put "
-        f"the load on in stages and give their result as `start`: {error}{where}"
+        f"the load on in stages and give their result as `start`: {error}{where}",
     ) from error
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
-from ..errors import NotConverged
+from ..errors import NotConverged, saying
 from .scheme import Motion, Scheme
 
 #: Parts of the longest step; a step without equilibrium is cut to a quarter.
@@ -102,9 +102,10 @@ class Steps:
         self._waits = _PATIENCE
         self.failed = True
         if self._size == 0:
-            raise error.saying(
+            raise saying(
+                error,
                 f"{where}, {self.fraction:.2%} of its duration, where steps of 1/{PARTS} of "
-                f"{self._longest:g} find no equilibrium: {error}"
+                f"{self._longest:g} find no equilibrium: {error}",
             ) from error
 
     def refuses(self, before: Motion, after: Motion, changed: float) -> bool:

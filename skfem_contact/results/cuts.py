@@ -65,7 +65,7 @@ class SectionForces:
         return ("N", "V", "M", "N_hoop", "M_hoop")
 
     @property
-    def on_axis(self) -> bool:
+    def _on_axis(self) -> bool:
         """True on the axis of revolution, where the normal force is per radian."""
         if self.N_hoop is None:
             return False
@@ -73,7 +73,7 @@ class SectionForces:
 
     def kind(self, name: str) -> str:
         """Return the kind of the unit of a force or moment."""
-        if name == "N" and self.on_axis:
+        if name == "N" and self._on_axis:
             return "force per radian"
         return kind_of(name, self.T is not None)
 

@@ -16,7 +16,7 @@ from ..arrays import max_abs
 from ..checks import trusted_calls
 from ..contact.diagnosis import OVERLAPS
 from ..display import Bars
-from ..errors import NotConverged, Remark, Remarks, warn
+from ..errors import NotConverged, Remark, Remarks, saying, warn
 from ..forms.base import Forms, solids_of, summaries
 from ..forms.roles import Absorbing, Wet, having
 from ..nonlinear.increment import Interval, Path, in_proportion, solve_step
@@ -572,8 +572,8 @@ def _along(
             logger.info(text, way, fraction, stepping.size, error)
             if stepping.exhausted:
                 where = system.layout.located(error.dof)
-                raise error.saying(
-                    f"{way} {stepping}: {error}{where}{_so_far(system, last)}"
+                raise saying(
+                    error, f"{way} {stepping}: {error}{where}{_so_far(system, last)}"
                 ) from error
             continue
         if stepping.too_long(errors, creep):
