@@ -29,6 +29,8 @@ FIELDS = {
 #: Distance of a point from flat triangles, as a share of their size, up to which it lies on the
 #: shell: a cylinder of square facets, 8 around it, is .14 of it away.
 _NEAR = 0.15
+#: Pairs of points and triangles that are compared at once: 200 bytes each.
+_PAIRS = 250_000
 
 
 def shells_of(stage: StageData) -> dict[str, tuple[ndarray, dict[str, ndarray]]]:
@@ -64,7 +66,10 @@ def on_shell(
     """Return fields at points of a shell, (n, 3), interpolated between corners of triangles."""
     corners, fields = _at_corners(stage, name)
     triangles = corners.reshape(-1, 3, 3)
-    cells, shares, distance = _nearest(triangles, points)
+    # Find the nearest triangles, of some points at once
+    blocks = np.array_split(points, 1 + points.shape[0] * len(triangles) // _PAIRS)
+    found = [_nearest(triangles, block) for block in blocks]
+    cells, shares, distance = (np.concatenate(values) for values in zip(*found, strict=True))
     away = distance > _NEAR
     if away.any():
         raise ValueError(
