@@ -23,7 +23,7 @@ from ..surfaces.vectors import dot, frame
 from .fold import Fold
 from .kinematics import Kinematics, variations
 from .laws import LawUpdate, Status
-from .neighbours import ON_FACET, NeighbourList, Neighbours, Pairs
+from .neighbours import ON_FACET, NeighbourList, Neighbours
 from .quadrature import SlavePoints, between, changed, common_cuts, gauss, nodal, piecewise
 from .search import Projection, merged, project
 from .symmetry import Plane
@@ -329,7 +329,7 @@ class Interface:
         positions = points.positions(slave)
         around = self._around(self._meshed, points, nodes, positions)
         unlimited = np.full(len(positions), np.inf)
-        found = self.project(points, nodes, positions, unlimited, None, around.pairs)
+        found = self.project(points, nodes, positions, unlimited, None, around)
         behind = found.found & (found.gap < -ROUND_OFF * max_abs(nodes))
         return np.where(behind, -0.5 * found.gap, np.inf)
 
@@ -340,7 +340,7 @@ class Interface:
         positions: ndarray,
         depth: ndarray,
         previous: ndarray | None,
-        among: Pairs,
+        among: Neighbours,
         held: ndarray | None = None,
     ) -> Projection:
         """Return closest points; points on pieces in space stay on the facets that these face."""
@@ -454,7 +454,7 @@ class Interface:
         positions = points.positions(slave)
         candidates = self._meshed if x is None else self.neighbours
         around = self._around(candidates, points, nodes, positions)
-        return self.project(points, nodes, positions, self.depth(points), previous, around.pairs)
+        return self.project(points, nodes, positions, self.depth(points), previous, around)
 
     def variations(
         self, x: ndarray, state: ContactState, found: Projection, at: ndarray

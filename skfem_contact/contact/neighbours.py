@@ -1,4 +1,4 @@
-"""Candidate facets for the closest points, searched when needed and kept while little moves."""
+"""Candidate facets for the closest points, searched once and kept while little moves."""
 
 from __future__ import annotations
 
@@ -32,56 +32,22 @@ _FIRST_SAMPLES = 32
 Excludes = Callable[[ndarray, ndarray], ndarray]
 
 
-class Pairs(NamedTuple):
-    """Pairs (point, facet), point by point."""
-
-    point: ndarray
-    facet: ndarray
-
-
-class Candidates:
-    """Pairs that contain each point's closest facet, searched when a point is first asked for."""
-
-    def __init__(self, n: int, search: Callable[[ndarray], Pairs]) -> None:
-        self._search = search
-        self._known = np.zeros(n, bool)
-        self._pairs = Pairs(np.zeros(0, int), np.zeros(0, int))
-
-    def of(self, chosen: ndarray) -> Pairs:
-        """Return the pairs of the points that a mask chooses."""
-        new = np.flatnonzero(chosen & ~self._known)
-        if len(new):
-            found = self._search(new)
-            point = np.concatenate((self._pairs.point, found.point))
-            facet = np.concatenate((self._pairs.facet, found.facet))
-            order = np.argsort(point, kind="stable")
-            self._pairs = Pairs(point[order], facet[order])
-            self._known[new] = True
-        if chosen[self._known].all() and not chosen[~self._known].any():
-            return self._pairs
-        kept = chosen[self._pairs.point]
-        return Pairs(self._pairs.point[kept], self._pairs.facet[kept])
-
-
 class Neighbours(NamedTuple):
-    """Candidates for the closest facets of points, and bounds of their distances.
+    """Pairs (point, facet) that contain each point's closest facet, and bounds of the distances.
 
     No part of the surface, beyond its rim included, is nearer to a point than its `clearance`;
     points known to lie outside the body are True in `outside`.
     """
 
-    candidates: Candidates
+    point: ndarray
+    facet: ndarray
     clearance: ndarray
     outside: ndarray
 
-    @property
-    def pairs(self) -> Pairs:
-        """Pairs (point, facet) of all points."""
-        return self.candidates.of(np.ones(len(self.clearance), bool))
-
-    def of(self, chosen: ndarray) -> Pairs:
+    def of(self, chosen: ndarray) -> Neighbours:
         """Return the pairs of the points that a mask chooses."""
-        return self.candidates.of(chosen)
+        kept = chosen[self.point]
+        return self._replace(point=self.point[kept], facet=self.facet[kept])
 
     def within(self, gap: ndarray, depth: ndarray) -> ndarray:
         """Return a mask of points that may be as near as a gap or, inside, as deep as a depth."""
@@ -180,57 +146,48 @@ def neighbours(
     divisions = np.ceil(length / spacing).astype(int)
     facet, samples, gap = _samples(surface, nodes, divisions)
 
-    # Find the nearest sample of each point
+    # Take the facets of all samples near the nearest one
     stretch = np.maximum(1.0, gap / spacing)
     margin = 0.75 * np.sqrt(surface.dim - 1) * spacing * stretch
     motion = slack * spacing
+    reach = margin[facet] + 2.0 * motion
     tree = scipy.spatial.cKDTree(samples)
     if excludes is None:
         nearest = np.asarray(tree.query(points)[0])
     else:
         nearest = _nearest_allowed(tree, points, facet, excludes)
-
-    # Take the facets of all samples near the nearest one
-    def search(some: ndarray) -> Pairs:
-        row, sample = _around(tree, points[some], nearest[some], margin[facet] + 2.0 * motion)
-        row = some[row]
-        if excludes is not None:
-            kept = ~excludes(row, facet[sample])
-            row = row[kept]
-            sample = sample[kept]
-        pair = row * m + facet[sample]
-        pair = pair[np.diff(pair, prepend=-1) != 0]  # samples of a facet follow each other
-        found = Pairs(*np.divmod(np.unique(pair), m))
-        if surface.dim == 2:
-            return found
-        return _promising_pairs(surface, nodes, points, found, 2.0 * motion)
+    row, sample, distance = _around(tree, points, nearest, reach)
+    if excludes is not None:
+        kept = ~excludes(row, facet[sample])
+        row = row[kept]
+        sample = sample[kept]
+    pair = row * m + facet[sample]
+    pair = pair[np.diff(pair, prepend=-1) != 0]  # samples of a facet follow each other
+    point, neighbour = np.divmod(np.unique(pair), m)
+    if surface.dim == 3:
+        flat = Flat.of(surface, nodes)
+        r = points[point]
+        foot = flat.foot(surface.shape, neighbour, r)
+        tolerance = 2.0 * motion + FROZEN * surface.size[neighbour]
+        kept = promising(
+            surface,
+            nodes,
+            flat,
+            r,
+            point,
+            neighbour,
+            foot,
+            tolerance,
+        )
+        point = point[kept]
+        neighbour = neighbour[kept]
 
     # Bound the distances from the surface and its extension beyond the rim
     last = length[surface.at_rim.any(axis=1)].max(initial=0.0)
     beyond = surface.extension * stretch.max() * (last + spacing)
-    clearance = nearest - margin.max() - beyond
+    clearance = distance - margin.max() - beyond
     outside = np.zeros(len(points), bool)
-    return Neighbours(Candidates(len(points), search), clearance, outside), motion
-
-
-def _promising_pairs(
-    surface: Surface, nodes: ndarray, points: ndarray, pairs: Pairs, slack: float
-) -> Pairs:
-    """Return the pairs in space that may be the closest, or on which points are frozen."""
-    point, facet = pairs
-    flat = Flat.of(surface, nodes)
-    r = points[point]
-    kept = promising(
-        surface,
-        nodes,
-        flat,
-        r,
-        point,
-        facet,
-        foot=flat.foot(surface.shape, facet, r),
-        slack=slack + FROZEN * surface.size[facet],
-    )
-    return Pairs(point[kept], facet[kept])
+    return Neighbours(point, neighbour, clearance, outside), motion
 
 
 def _neighbours_of_pieces(
@@ -257,23 +214,18 @@ def _neighbours_of_pieces(
     indices = indices[stays]
 
     # Search the neighbours of the others
-    n = len(points)
-    others = np.delete(np.arange(n), indices)
+    others = np.delete(np.arange(len(points)), indices)
     found, _ = neighbours(surface, nodes, points[others], _SLACK_OF_PIECES)
-    clearance = np.zeros(n)
+    clearance = np.zeros(len(points))
     clearance[indices] = (height - 2.0 * bulge)[stays]
     clearance[others] = found.clearance
-    alone = np.zeros(n, bool)
-    alone[indices] = True
-
-    def search(some: ndarray) -> Pairs:
-        chosen = np.zeros(n, bool)
-        chosen[some] = True
-        single = np.flatnonzero(chosen & alone)
-        point, facet = found.of(chosen[others])
-        return Pairs(np.concatenate((single, others[point])), np.concatenate((own[single], facet)))
-
-    return Neighbours(Candidates(n, search), clearance, np.zeros(n, bool)), motion
+    result = Neighbours(
+        point=np.concatenate((indices, others[found.point])),
+        facet=np.concatenate((own[indices], found.facet)),
+        clearance=clearance,
+        outside=np.zeros(len(points), bool),
+    )
+    return result, motion
 
 
 class Flat(NamedTuple):
@@ -447,8 +399,8 @@ def _around(
     points: ndarray,
     nearest: ndarray,
     margin: ndarray,
-) -> tuple[ndarray, ndarray]:
-    """Return pairs (point, sample) within a margin of the nearest sample."""
+) -> tuple[ndarray, ndarray, ndarray]:
+    """Return pairs (point, sample) within a margin of the nearest sample, and its distance."""
     samples = tree.data
     rows = []
     found = []
@@ -462,4 +414,4 @@ def _around(
         near = np.sqrt(dot(offset, offset)) <= nearest[row] + margin[sample]
         rows.append(row[near])
         found.append(sample[near])
-    return np.concatenate(rows), np.concatenate(found)
+    return np.concatenate(rows), np.concatenate(found), nearest

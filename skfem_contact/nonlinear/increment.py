@@ -43,10 +43,6 @@ _DIGITS = 12
 #: Load and prescribed values at a share of a stage.
 Path = Callable[[float], tuple[ndarray, ndarray]]
 
-#: Share of a collapse at which forces must be this share of them, but for a share of the load.
-_PART_OF_COLLAPSE = 0.25
-_IN_PROPORTION = 1e-6
-
 
 @dataclass(frozen=True)
 class Interval:
@@ -209,34 +205,6 @@ def check(given: System, step: Step, found: Equilibrium, newton: Newton) -> None
             (*found.residuals, again.norm),
             again.worst,
         )
-
-
-def in_proportion(step: Step, load_before: ndarray, error: NotConverged) -> bool:
-    """Return True if forces in a step that collapsed are in proportion to its change of the load.
-
-    A part of the displacements then leaves the same part of the forces out of balance, as in
-    elastic bodies that friction alone holds, and the step collapses however small it is. Forces are
-    compared where the step collapsed, where bodies may have parted, and after one iteration, where
-    they touch.
-    """
-    if error.x is None or not isinstance(error, NoEquilibrium):
-        return False
-    system = step.system
-    change = step.load - load_before
-    begin = system.evaluate(step.x, step.states, step.load)
-    try:
-        first = step.x + system.factor(system.tangent(begin))(begin.residual)
-    except SingularSystem:
-        return False
-    for x in (first, error.x):
-        whole = system.evaluate(x, step.states, step.load).residual
-        x = step.x + _PART_OF_COLLAPSE * (x - step.x)
-        load = load_before + _PART_OF_COLLAPSE * change
-        part = system.evaluate(x, step.states, load).residual
-        rest = np.linalg.norm(part - _PART_OF_COLLAPSE * whole)
-        if rest > _IN_PROPORTION * np.linalg.norm(change):
-            return False
-    return True
 
 
 def _regularised(step: Step, error: NotConverged) -> System:

@@ -23,8 +23,6 @@ _HALF = 0.5
 #: So many failures of increments of different sizes at one dof, by a tangent that is singular at
 #: their beginning.
 _AGAIN = 3
-#: So many collapses where forces are in proportion to the load: any part of it collapses alike.
-_ALIKE = 2
 #: Share of the stage up to which increments are tried with recoveries.
 _SMALL = 1.0 / 128.0
 #: Distance from the last equilibrium to a collapse, as a share of what was reached, at which the
@@ -72,7 +70,6 @@ class Stepping:
         self._compared: dict[str, float] = {}
         self._same: int | None = None
         self._times = 0
-        self._alike = 0
 
     @property
     def fraction(self) -> float:
@@ -101,12 +98,7 @@ class Stepping:
     @property
     def exhausted(self) -> bool:
         """True if smaller increments would show no more."""
-        return self._size < _SMALLEST * self._shortest or self._limited or self._stays
-
-    @property
-    def _stays(self) -> bool:
-        """True if smaller increments fail like those that were tried."""
-        return self._hopeless or self._alike >= _ALIKE
+        return self._size < _SMALLEST * self._shortest or self._limited or self._hopeless
 
     @property
     def _hopeless(self) -> bool:
@@ -180,8 +172,8 @@ class Stepping:
             return size
         return float(remaining / np.ceil(remaining / size * (1.0 - _ROUND_OFF)))
 
-    def reject(self, error: NotConverged, in_proportion: bool = False) -> None:
-        """Record a failure, where forces are in proportion to the load or not."""
+    def reject(self, error: NotConverged) -> None:
+        """Record a failure."""
         share = _HALF
         if self.try_recovery:
             share = _QUARTER
@@ -195,7 +187,6 @@ class Stepping:
         self._failed = self.fraction
         if isinstance(error, NoEquilibrium):
             self._collapsed = self.fraction
-            self._alike += in_proportion
         self._size = share * (self.fraction - self._reached)
         self.cut = True
 
@@ -204,12 +195,6 @@ class Stepping:
         if self._hopeless:
             advice = "(hold the body, or close its contact)"
             return f"{reached}, where nothing resists a motion in any increment {advice}"
-        if self._alike >= _ALIKE:
-            return (
-                f"{reached}, for nothing resists any part of it: all forces grow in proportion to "
-                "it, friction too, which is too small to hold body or soil (more friction, or a "
-                "support)"
-            )
         if self._limited:
             return f"{reached}, the displacements run away at {self._collapsed:.2%}"
         return reached

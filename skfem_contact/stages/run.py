@@ -19,7 +19,7 @@ from ..display import Bars
 from ..errors import NotConverged, Remark, Remarks, saying, warn
 from ..forms.base import Forms, solids_of, summaries
 from ..forms.roles import Absorbing, Wet, having
-from ..nonlinear.increment import Interval, Path, in_proportion, solve_step
+from ..nonlinear.increment import Interval, Path, solve_step
 from ..nonlinear.newton import Newton
 from ..nonlinear.step import Equilibrium, Step
 from ..nonlinear.stepping import Predictor, Stepping
@@ -565,9 +565,7 @@ def _along(
             share = fraction - last.fraction
             creep = creep_errors(system.forms, states, times, share, driven)
         except NotConverged as error:
-            alike = last.fraction == 0.0 and not duration
-            alike = alike and in_proportion(step, last.load, error)
-            stepping.reject(error, alike)
+            stepping.reject(error)
             text = "%s: increment to %.4f failed, cut to %.4f: %s"
             logger.info(text, way, fraction, stepping.size, error)
             if stepping.exhausted:

@@ -39,15 +39,6 @@ def test_stalls_are_no_limit():
     assert 0.35 - 2 / 1024 < float(str(stepping).split()[2].rstrip("%")) / 100 <= 0.35
 
 
-def test_collapse_of_any_part_of_the_load_ends_soon():
-    """[N] Where forces are in proportion to the load, two parts of it tell all."""
-    stepping = Stepping(1)
-    stepping.reject(NoEquilibrium("collapse"), in_proportion=True)
-    assert not stepping.exhausted
-    stepping.reject(NoEquilibrium("collapse"), in_proportion=True)
-    assert stepping.exhausted and "nothing resists any part" in str(stepping)
-
-
 def test_collapse_that_was_passed_is_forgotten():
     """[X] What a large increment could not reach, small ones did."""
     stepping = Stepping(1)
