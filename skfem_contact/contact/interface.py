@@ -556,7 +556,8 @@ class Interface:
             np.where(stayed, closest.facet, before.facet),
             np.where(stayed[:, None], closest.xi, before.xi),
         )
-        tangents = self._tangents(transfer.new, closest)
+        # Tangents of these facets: those beyond a corner may be at right angles to them.
+        tangents = self._tangents(transfer.new, near)
         return offset_back(self.master, self.master.nodes, tangents, closest, slid.T, near)
 
     def transfer(self, cuts: ndarray, others: ndarray) -> Transfer:
