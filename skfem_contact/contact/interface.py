@@ -514,10 +514,12 @@ class Interface:
         stick = offset_back(self.master, self.master.nodes, tangents, state.closest, slip.T)
         return state.with_stick(stick)
 
-    def follow(self, state: ContactState, found: ContactState, x: ndarray) -> ContactState | None:
-        """Return an accepted state at cuts that follow the bodies to x; None if these hardly move.
+    def follow(
+        self, state: ContactState, found: ContactState, x: ndarray
+    ) -> tuple[ContactState, Transfer] | None:
+        """Return an accepted state at cuts that follow the bodies to x, and the transfer to them.
 
-        The `found` state is at x between the old cuts.
+        The `found` state is at x between the old cuts. None if the cuts hardly move.
         """
         cuts = self.cuts(x)
         if len(cuts) == 0 or changed(state.cuts, cuts) <= _MOVED:
@@ -535,7 +537,7 @@ class Interface:
             clearance=state.clearance + rounded,
             rounded=rounded,
         )
-        return self.with_elastic_slip(state, elastic)
+        return self.with_elastic_slip(state, elastic), transfer
 
     def _origin(
         self,

@@ -296,7 +296,7 @@ def integrals(
     """
     facing = pair.points(state).take(at)
     psi = pair.nodes_at(state).values[at]
-    if not pair.holds_points and not is_coarser(pair):
+    if not pair.holds_points and not _is_coarser(pair):
         psi = duals(facing, psi, len(pair.slave.facets))
     if pair.symmetry is not None:
         psi = _spread(psi, pair.symmetry.across[facing.nodes])
@@ -309,7 +309,7 @@ def integrals(
     return facing, weights, area, opened
 
 
-def is_coarser(pair: Any) -> bool:
+def _is_coarser(pair: Any) -> bool:
     """Return True where a body that deforms has smaller facets on the master than on the slave."""
     return not pair.master.rigid and pair.master.spacing < _FINER * pair.slave.spacing
 

@@ -233,12 +233,12 @@ class ContactPair(ContactBase):
         state, changes = self.enforcement.after_equilibrium(self, accepted, found)
 
         # Let the cuts follow the bodies
-        cut = None
+        moved = None
         if self._recuts < RECUTS:
-            cut = self.interface.follow(state, found, x)
-        if cut is not None:
-            state = cut
-            changes = self._at_cuts(accepted, cut, changes)
+            moved = self.interface.follow(state, found, x)
+        if moved is not None:
+            state, transfer = moved
+            changes = self._at_cuts(accepted, state, transfer.at, changes)
         elif self._rounds < RECUTS:
             # Let the clearance between round facets follow
             rounded = self._rounded_anew(accepted, found)
@@ -253,11 +253,10 @@ class ContactPair(ContactBase):
         return (self.with_(**changes), state)
 
     def _at_cuts(
-        self, accepted: ContactState, cut: ContactState, changes: dict[str, Any]
+        self, accepted: ContactState, cut: ContactState, at: ndarray, changes: dict[str, Any]
     ) -> dict[str, Any]:
-        """Return changes of the pair with its own values at points between new cuts."""
+        """Return changes of the pair with its own values, of the points `at`, between new cuts."""
         changes = {**changes, "_recuts": self._recuts + 1}
-        at = self.interface.transfer(accepted.cuts, cut.cuts).at
         for name in ("slip_shift", "debonded"):
             values = changes.get(name, getattr(self, name))
             if values is not None:

@@ -76,7 +76,10 @@ class Symmetry:
     def of(cls, slave: Surface, master: Surface, fixed: ndarray) -> Symmetry:
         """Return the nodes that fixed dofs hold."""
         own = np.where(np.isin(slave.dofs, fixed), slave.dofs, -1)
-        opposite = _opposite(slave, master, fixed)
+        opposite = np.full(own.shape, -1)
+        at = np.flatnonzero((own >= 0).any(axis=1))
+        if len(at) and not master.rigid:
+            opposite[at] = _opposite(master.facing(slave), slave.nodes[at], fixed)
         held = (own >= 0) & (opposite >= 0)
 
         # Normals of the whole surface lie in the plane, but at corners that are wholly held
@@ -106,17 +109,17 @@ class Symmetry:
         return np.asarray((np.abs(apart) > round_off).any(axis=1))
 
 
-def _opposite(slave: Surface, master: Surface, fixed: ndarray) -> ndarray:
-    """Return dofs of the master opposite the slave's nodes, (n_nodes, dim), or -1.
+def _opposite(master: Surface, points: ndarray, fixed: ndarray) -> ndarray:
+    """Return dofs of the master opposite points, (n, dim), or -1.
 
     They count where supports hold all nodes that move the point opposite. On a rim these are the
     ends of a side, which need not be opposite nodes.
     """
-    unlimited = np.full(len(slave.nodes), np.inf)
-    closest = project(master.facing(slave), master.nodes, slave.nodes, unlimited)
+    unlimited = np.full(len(points), np.inf)
+    closest = project(master, master.nodes, points, unlimited)
     nodes = master.facets[closest.facet]
     N = np.abs(master.shape.at(closest.facet, closest.xi, 0)[0])
-    dofs = master.dofs[nodes]  # (n_nodes, k, dim)
+    dofs = master.dofs[nodes]  # (n, k, dim)
     is_held = (dofs >= 0) & np.isin(dofs, fixed)
     stands = (is_held | (N <= ON_PLANE)[:, :, None]).all(axis=1) & closest.found[:, None]
     return np.where(stands, dofs[np.arange(len(N)), N.argmax(axis=1)], -1)

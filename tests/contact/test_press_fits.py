@@ -224,7 +224,7 @@ def test_clearances_of_adjusted_points_follow_the_cuts() -> None:
     x = basis.zeros()
     x[basis.get_dofs(elements=basis.mesh.subdomains["block"]).all("u^1")] = 0.13
     touching = pair.initial_state()
-    slid = pair.interface.follow(touching, pair.assemble(x, touching).state, x)
+    slid, _ = pair.interface.follow(touching, pair.assemble(x, touching).state, x)
     assert slid is not None
     assert np.abs(slid.clearance).max() > 0.01
     assert slid.clearance == pytest.approx(pair.interface.in_mesh(slid.cuts).gap, abs=1e-12)
