@@ -11,6 +11,7 @@ from scipy.linalg import eigh, solve_triangular
 from scipy.sparse import spmatrix
 
 from ..arrays import max_abs
+from .in_threads import InThreads
 
 #: Directions of FGMRES that are kept, two vectors each.
 RESTART = 100
@@ -27,7 +28,7 @@ Preconditioner = Callable[[ndarray], ndarray]
 
 
 def conjugate_gradients(
-    A: spmatrix,
+    A: spmatrix | InThreads,
     b: ndarray,
     cycle: Preconditioner,
     tolerance: float,
@@ -83,7 +84,7 @@ class Fgmres:
 
     def __call__(
         self,
-        A: spmatrix,
+        A: spmatrix | InThreads,
         b: ndarray,
         cycle: Preconditioner,
         tolerance: float,
@@ -130,7 +131,7 @@ class _Space:
     R: ndarray  # triangular, (k, k)
 
     @classmethod
-    def of(cls, A: spmatrix, directions: ndarray) -> _Space:
+    def of(cls, A: spmatrix | InThreads, directions: ndarray) -> _Space:
         """Return the space of directions alone."""
         Q, R = np.linalg.qr(A @ directions.T)
         none = np.zeros((0, 0))
@@ -138,7 +139,7 @@ class _Space:
         independent = np.abs(np.diagonal(R)) > least
         if len(R) == 0 or not independent.all():
             directions = directions[:0]
-            images = np.zeros((0, A.shape[0]))
+            images = directions[:0]
         else:
             directions = solve_triangular(R, directions, trans="T", check_finite=False)
             images = np.ascontiguousarray(Q.T)
@@ -151,7 +152,7 @@ class _Space:
 
     def arnoldi(
         self,
-        A: spmatrix,
+        A: spmatrix | InThreads,
         b: ndarray,
         cycle: Preconditioner,
         target: float,

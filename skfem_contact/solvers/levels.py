@@ -16,6 +16,7 @@ from typing_extensions import override
 from ..arrays import max_abs
 from ..errors import NotConverged
 from ..sparse import same_pattern, with_data
+from .in_threads import InThreads
 
 logger = logging.getLogger("skfem_contact")
 
@@ -116,8 +117,8 @@ class Smoother:
 
     def __init__(self, A: bsr_matrix, largest: ndarray | None = None) -> None:
         # products with blocks take two thirds of the time of those with single entries
-        self.A = A
-        self._set(A, _inverse_blocks(A), largest)
+        self.A = InThreads(A)
+        self._set(self.A, _inverse_blocks(A), largest)
 
     def from_zero(self, b: ndarray) -> ndarray:
         """Return an approximation of the solution for b."""
@@ -129,7 +130,7 @@ class Smoother:
 
     def _set(
         self,
-        multiplied: bsr_matrix | csr_matrix,
+        multiplied: InThreads,
         inverse: ndarray,
         largest: ndarray | None,
     ) -> None:
@@ -164,8 +165,9 @@ class Smoother:
         vector = start
         if vector is None:
             products = _FIRST
-            vector = np.random.default_rng(0).standard_normal(self._multiplied.shape[0])
-        vector = vector.astype(self._multiplied.dtype)
+            n = self._inverse[:, :, 0].size
+            vector = np.random.default_rng(0).standard_normal(n)
+        vector = vector.astype(self._inverse.dtype)
         for _ in range(products):
             self.largest = vector / np.linalg.norm(vector)
             vector = self._scaled(self._multiplied @ self.largest)
@@ -180,13 +182,13 @@ class SingleSmoother(Smoother):
     """
 
     def __init__(self, A: csr_matrix, blocks: bsr_matrix, largest: ndarray | None = None) -> None:
-        self.A = blocks
+        self.A = InThreads(blocks)
         inverse = _inverse_blocks(blocks)
         self._stiffness = 1.0 / max_abs(inverse)
         entries = np.empty(A.nnz, np.float32)
         np.divide(A.data, self._stiffness, out=entries, casting="same_kind")
         inverse = (self._stiffness * inverse).astype(np.float32)
-        self._set(with_data(A, entries), inverse, largest)
+        self._set(InThreads(with_data(A, entries)), inverse, largest)
 
     @override
     def _correction(self, residual: ndarray) -> ndarray:

@@ -24,6 +24,7 @@ from .direct import (
     Solve,
     nothing_free,
 )
+from .in_threads import InThreads
 from .krylov import Fgmres, Preconditioner, conjugate_gradients
 from .levels import Levels, smoothed_aggregation
 from .whole_nodes import WholeNodes
@@ -31,7 +32,7 @@ from .whole_nodes import WholeNodes
 logger = logging.getLogger("skfem_contact")
 
 Balance = Callable[[ndarray, ndarray], ndarray]
-Method = Callable[[bsr_matrix, ndarray, Preconditioner, float, int], tuple[ndarray, int]]
+Method = Callable[[InThreads, ndarray, Preconditioner, float, int], tuple[ndarray, int]]
 
 MOST = 300  # iterations of a solution
 # Coarse matrices are kept for the next tangents until the additional iterations have cost more
@@ -133,6 +134,7 @@ class AmgSolver:
         cycle = levels.cycle(A, blocks, single)
         first = conjugate_gradients if symmetric else self._fgmres
         methods = (first, self._fgmres)
+        multiplied = InThreads(blocks)
 
         def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
             nonlocal cycle, fresh
@@ -150,7 +152,7 @@ class AmgSolver:
             if not fresh:
                 patience = min(most, self._patience(rtol))
             result = _iterated(
-                blocks,
+                multiplied,
                 cycle,
                 balanced,
                 right,
@@ -166,7 +168,7 @@ class AmgSolver:
                 cycle = self._renewed(A, blocks).cycle(A, blocks, single)
                 fresh = True
                 result = _iterated(
-                    blocks,
+                    multiplied,
                     cycle,
                     balanced,
                     right,
@@ -282,7 +284,7 @@ class _Result:
 
 
 def _iterated(
-    A: bsr_matrix,
+    A: InThreads,
     cycle: Preconditioner,
     balanced: Balance,
     b: ndarray,
@@ -321,14 +323,14 @@ def _iterated(
             x = candidate
             error = improved
         if error > rtol:
-            wanted = max(rtol, _round_off(A, x) / size)
+            wanted = max(rtol, _round_off(A.whole, x) / size)
     enough = wanted
     if count < most:
         enough = max(WRONG, rtol)
     return _Result(x, count, first, error, close=error <= enough)
 
 
-def _round_off(A: bsr_matrix, x: ndarray) -> float:
+def _round_off(A: bsr_matrix | csr_matrix, x: ndarray) -> float:
     """Estimate the residual of round-off: 7e-9 of the load of a beam 30 times as long as high."""
     magnitudes = abs(A) @ np.abs(x)
     return float(np.finfo(float).eps * np.linalg.norm(magnitudes))
