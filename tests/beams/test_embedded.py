@@ -320,6 +320,7 @@ def test_ground_around_a_shaft_is_in_series_with_the_skin(radius, circle):
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_pile_in_space_settles_like_a_solid_one():
     """[X] A solid pile of 1000 kN in a fine axisymmetric mesh settles by 9.32 mm: within 5 % in
     coarse elements.

@@ -243,6 +243,7 @@ def nailed_slope(T_max, EA=5e4, side=1.0):
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.filterwarnings("ignore:the structure is unstable")
 def test_factors_of_nailed_slopes_end_in_a_plateau():
     """[B] From nails that hardly hold to those that cannot slip the factor rises, between 0.85 and

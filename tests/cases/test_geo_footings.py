@@ -112,6 +112,7 @@ def test_cohesion_surcharge_and_weight(phi, c, weight, beside, exact):
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.filterwarnings("ignore:the initial stresses are out of balance")
 def test_finer_meshes_tend_to_the_exact_capacity():
     """[N] Cases G3 and G5 (Cox): on meshes of four and eight elements, extrapolated; from 4 or 5 %

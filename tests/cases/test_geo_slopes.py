@@ -115,6 +115,7 @@ def test_steep_slopes(beta, phi, c, depth, bound):
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_slope_that_just_does_not_stand():
     """[B] Case H7: 2 to 1, c = 3, phi = 19.6 degrees, on half a height of the same soil; the factor
     is not 1.

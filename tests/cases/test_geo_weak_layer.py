@@ -115,6 +115,7 @@ def test_thin_weak_layer(ratio):
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.filterwarnings("ignore:the structure is unstable")
 def test_factors_are_concave_in_the_strength_of_the_layer():
     """[X] The smallest of what all mechanisms yield, each linear in the strength; the curves end

@@ -68,6 +68,7 @@ def steep(psi):
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.filterwarnings("ignore:no collapse was shown")
 def test_factor_without_dilatancy_is_enclosed():
     """[X] Radenkovic: no flow exceeds the associated factor, which follows from that of Davis."""

@@ -121,6 +121,7 @@ def test_footing_without_dilatancy_in_few_iterations():
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_short_steps_follow_the_given_law():
     """[N] phi = 30, psi = 0: with steps of no more than 4 times the first one both laws have the
     same capacity.

@@ -115,6 +115,7 @@ def bearing_capacity(law: sc.HoekBrown) -> float:
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_footing() -> None:
     """[X] Prandtl's fan with a curved strength lies between the bounds; Merifield, Lyamin, Sloan
     (2006) call it N.

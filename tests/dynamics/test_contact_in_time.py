@@ -89,6 +89,7 @@ def test_impact_of_two_bars(enforcement):
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_bar_bounces_on_a_plate():
     """[X] A bar that falls with g bounces to its height, and never enters the plate."""
     n, g = 8, 10.0
@@ -199,6 +200,7 @@ def test_slides_of_few_steps_are_told(step, least):
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_a_tolerance_follows_short_slides():
     """[N] A rigid block after a pulse: within 1 %, of which 0.4 % are its elasticity."""
     step = 0.01
@@ -211,6 +213,7 @@ def test_a_tolerance_follows_short_slides():
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_rocking_block():
     """[N] Housner (1963): time and height of a rigid block that rocks about its corner."""
     # a block of .5 x 1 begins to turn about its right corner with 1.5 rad/s

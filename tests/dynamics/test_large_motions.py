@@ -48,6 +48,7 @@ def block_on_a_plane(b, h, mu, E=2e6, edge=5.0, shape=(2, 1), **options):
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_friction_that_turns_round():
     """[N] A block on a level plane slides to both sides like a rigid block, and dissipates."""
     mu, step = 0.2, 1.25e-3

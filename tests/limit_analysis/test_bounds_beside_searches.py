@@ -558,6 +558,7 @@ def test_share_of_a_mesh_below_a_vertical_cut_without_tensile_strength() -> None
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_share_of_a_mesh_below_an_even_load_on_sand() -> None:
     """[X] Prandtl and Reissner: N_q = 9.2 at tan(30) / F, for the even load and the rigid strip."""
 
@@ -584,7 +585,7 @@ def test_share_of_a_mesh_below_an_even_load_on_sand() -> None:
     [
         (20.0, 1, (6, 3), 14.835, 2.839),
         pytest.param(20.0, 2, (6, 3), 14.835, 2.839, marks=pytest.mark.slow),
-        (30.0, 1, (8, 4), 30.14, 14.75),
+        pytest.param(30.0, 1, (8, 4), 30.14, 14.75, marks=pytest.mark.slow),
         pytest.param(30.0, 2, (6, 3), 30.14, 14.75, marks=pytest.mark.slow),
         pytest.param(35.0, 1, (10, 5), 46.12, 34.48, marks=pytest.mark.slow),
     ],

@@ -148,6 +148,7 @@ def test_clay_that_is_sheared_in_a_day(increments: int, error: float, space: boo
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_clay_that_is_sheared_by_moved_supports_in_a_day() -> None:
     """[N] The same for the axial force, 7 % too small in one step, beside 400 increments at a
     point.

@@ -172,6 +172,7 @@ def test_order_in_time(start) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_vauclins_recharge() -> None:
     """[P] M. Vauclin, D. Khanji, G. Vachaud 1979: computed and measured water tables under a strip
     that is sprinkled.
@@ -305,6 +306,7 @@ def test_changes_of_newtons_method(law) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_green_ampt() -> None:
     """[X] W. H. Green and G. A. Ampt 1911: infiltration under a thin sheet of water, in the limit
     of a sharp front.
