@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -82,6 +83,17 @@ class Fold:
         at_side = np.arange(1, n_sides + 1) == feature[:, None]
         at_corner = (feature > n_sides)[:, None]
         return np.asarray((ends & (at_side | at_corner)).any(axis=1))
+
+
+class Beside(NamedTuple):
+    """Neighbours of points that lie on facets of the slave."""
+
+    fold: Fold
+    own: ndarray
+
+    def __call__(self, row: ndarray, facet: ndarray) -> ndarray:
+        """Return a mask of pairs (point, facet of the master) that are neighbours."""
+        return self.fold.adjoins(self.own[row], facet)
 
 
 def _incidence(surface: Surface) -> csr_matrix:

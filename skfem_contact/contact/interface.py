@@ -20,10 +20,10 @@ from ..surfaces.material_points import (
 )
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import dot, frame
-from .fold import Fold
+from .fold import Beside, Fold
 from .kinematics import Kinematics, variations
 from .laws import LawUpdate, Status
-from .neighbours import ON_FACET, NeighbourList, Neighbours
+from .neighbours import ON_FACET, NeighbourList, Neighbours, Pairs
 from .quadrature import SlavePoints, between, changed, common_cuts, gauss, nodal, piecewise
 from .search import Projection, merged, project
 from .symmetry import Plane
@@ -186,14 +186,8 @@ class Interface:
         self, candidates: NeighbourList, points: SlavePoints, nodes: ndarray, positions: ndarray
     ) -> Neighbours:
         """Return candidates for closest points: on a folded surface no neighbours."""
-        fold = self.fold
-        if fold is None:
-            return candidates.at(nodes, positions, points.facing)
-
-        def excludes(row: ndarray, facet: ndarray) -> ndarray:
-            return fold.adjoins(points.facet[row], facet)
-
-        return candidates.at(nodes, positions, points.facing, excludes)
+        beside = None if self.fold is None else Beside(self.fold, points.facet)
+        return candidates.at(nodes, positions, points.facing, beside)
 
     @cached_property
     def _facetings(self) -> tuple[Faceting, Faceting] | None:
@@ -329,7 +323,7 @@ class Interface:
         positions = points.positions(slave)
         around = self._around(self._meshed, points, nodes, positions)
         unlimited = np.full(len(positions), np.inf)
-        found = self.project(points, nodes, positions, unlimited, None, around)
+        found = self.project(points, nodes, positions, unlimited, None, around.pairs)
         behind = found.found & (found.gap < -ROUND_OFF * max_abs(nodes))
         return np.where(behind, -0.5 * found.gap, np.inf)
 
@@ -340,7 +334,7 @@ class Interface:
         positions: ndarray,
         depth: ndarray,
         previous: ndarray | None,
-        among: Neighbours,
+        among: Pairs,
         held: ndarray | None = None,
     ) -> Projection:
         """Return closest points; points on pieces in space stay on the facets that these face."""
@@ -454,7 +448,7 @@ class Interface:
         positions = points.positions(slave)
         candidates = self._meshed if x is None else self.neighbours
         around = self._around(candidates, points, nodes, positions)
-        return self.project(points, nodes, positions, self.depth(points), previous, around)
+        return self.project(points, nodes, positions, self.depth(points), previous, around.pairs)
 
     def variations(
         self, x: ndarray, state: ContactState, found: Projection, at: ndarray

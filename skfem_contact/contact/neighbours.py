@@ -1,4 +1,4 @@
-"""Candidate facets for the closest points, searched once and kept while little moves."""
+"""Candidate facets for the closest points, searched when needed and kept while little moves."""
 
 from __future__ import annotations
 
@@ -32,22 +32,99 @@ _FIRST_SAMPLES = 32
 Excludes = Callable[[ndarray, ndarray], ndarray]
 
 
+class Pairs(NamedTuple):
+    """Pairs (point, facet), point by point."""
+
+    point: ndarray
+    facet: ndarray
+
+
+_NO_PAIRS = Pairs(np.zeros(0, int), np.zeros(0, int))
+
+
+class Samples(NamedTuple):
+    """Samples of facets, and how far the nearest one of each point is."""
+
+    surface: Surface
+    nodes: ndarray
+    points: ndarray
+    facet: ndarray
+    tree: scipy.spatial.cKDTree
+    nearest: ndarray
+    margin: ndarray
+    motion: float
+    excludes: Excludes | None
+
+    def around(self, some: ndarray) -> Pairs:
+        """Return the pairs of some points with the facets that may be closest after a motion."""
+        # Take the facets of all samples near the nearest one
+        row, sample = _around(
+            self.tree, self.points[some], self.nearest[some], self.margin + 2.0 * self.motion
+        )
+        row = some[row]
+        facet = self.facet[sample]
+        if self.excludes is not None:
+            kept = ~self.excludes(row, facet)
+            row = row[kept]
+            facet = facet[kept]
+        m = len(self.surface.facets)
+        pair = row * m + facet
+        pair = pair[np.diff(pair, prepend=-1) != 0]  # samples of a facet follow each other
+        row, facet = np.divmod(np.unique(pair), m)
+        if self.surface.dim == 2:
+            return Pairs(row, facet)
+
+        # Leave out those in space whose flat images are farther than another facet
+        flat = Flat.of(self.surface, self.nodes)
+        r = self.points[row]
+        foot = flat.foot(self.surface.shape, facet, r)
+        slack = 2.0 * self.motion + FROZEN * self.surface.size[facet]
+        kept = promising(self.surface, self.nodes, flat, r, row, facet, foot, slack)
+        return Pairs(row[kept], facet[kept])
+
+
+class Candidates:
+    """Pairs that contain each point's closest facet, searched when a point is first asked for."""
+
+    def __init__(self, samples: Samples, known: Pairs) -> None:
+        self._samples = samples
+        self._pairs = known
+        self._known = np.zeros(len(samples.points), bool)
+        self._known[known.point] = True
+
+    def of(self, chosen: ndarray) -> Pairs:
+        """Return the pairs of the points that a mask chooses."""
+        new = np.flatnonzero(chosen & ~self._known)
+        if len(new):
+            found = self._samples.around(new)
+            point = np.concatenate((self._pairs.point, found.point))
+            facet = np.concatenate((self._pairs.facet, found.facet))
+            order = np.argsort(point, kind="stable")
+            self._pairs = Pairs(point[order], facet[order])
+            self._known[new] = True
+        kept = chosen[self._pairs.point]
+        return Pairs(self._pairs.point[kept], self._pairs.facet[kept])
+
+
 class Neighbours(NamedTuple):
-    """Pairs (point, facet) that contain each point's closest facet, and bounds of the distances.
+    """Candidates for the closest facets of points, and bounds of their distances.
 
     No part of the surface, beyond its rim included, is nearer to a point than its `clearance`;
     points known to lie outside the body are True in `outside`.
     """
 
-    point: ndarray
-    facet: ndarray
+    candidates: Candidates
     clearance: ndarray
     outside: ndarray
 
-    def of(self, chosen: ndarray) -> Neighbours:
+    @property
+    def pairs(self) -> Pairs:
+        """Pairs (point, facet) of all points."""
+        return self.candidates.of(np.ones(len(self.clearance), bool))
+
+    def of(self, chosen: ndarray) -> Pairs:
         """Return the pairs of the points that a mask chooses."""
-        kept = chosen[self.point]
-        return self._replace(point=self.point[kept], facet=self.facet[kept])
+        return self.candidates.of(chosen)
 
     def within(self, gap: ndarray, depth: ndarray) -> ndarray:
         """Return a mask of points that may be as near as a gap or, inside, as deep as a depth."""
@@ -130,13 +207,15 @@ def neighbours(
     points: ndarray,
     slack: float = 0.0,
     excludes: Excludes | None = None,
+    alone: Pairs = _NO_PAIRS,
 ) -> tuple[Neighbours, float]:
     """Return neighbours of points (n, dim), and the motion for which they last.
 
     The facets are sampled at a uniform spacing.  The sample next to the closest point is at most
     half a spacing (half a diagonal in space) farther away than that point.  So all samples within
     this distance of the nearest one, and a margin for curved facets, are candidates.  The motion is
-    `slack` times the spacing. Samples of excluded facets do not count.
+    `slack` times the spacing. Samples of excluded facets do not count. Points that stay `alone` on
+    their facets need none.
     """
     # Sample the facets
     m = len(surface.facets)
@@ -146,48 +225,25 @@ def neighbours(
     divisions = np.ceil(length / spacing).astype(int)
     facet, samples, gap = _samples(surface, nodes, divisions)
 
-    # Take the facets of all samples near the nearest one
-    stretch = np.maximum(1.0, gap / spacing)
-    margin = 0.75 * np.sqrt(surface.dim - 1) * spacing * stretch
-    motion = slack * spacing
-    reach = margin[facet] + 2.0 * motion
+    # Find the nearest sample of each point
     tree = scipy.spatial.cKDTree(samples)
     if excludes is None:
-        nearest = np.asarray(tree.query(points)[0])
+        nearest = np.full(len(points), np.inf)
+        others = np.delete(np.arange(len(points)), alone.point)
+        nearest[others] = tree.query(points[others])[0]
     else:
         nearest = _nearest_allowed(tree, points, facet, excludes)
-    row, sample, distance = _around(tree, points, nearest, reach)
-    if excludes is not None:
-        kept = ~excludes(row, facet[sample])
-        row = row[kept]
-        sample = sample[kept]
-    pair = row * m + facet[sample]
-    pair = pair[np.diff(pair, prepend=-1) != 0]  # samples of a facet follow each other
-    point, neighbour = np.divmod(np.unique(pair), m)
-    if surface.dim == 3:
-        flat = Flat.of(surface, nodes)
-        r = points[point]
-        foot = flat.foot(surface.shape, neighbour, r)
-        tolerance = 2.0 * motion + FROZEN * surface.size[neighbour]
-        kept = promising(
-            surface,
-            nodes,
-            flat,
-            r,
-            point,
-            neighbour,
-            foot,
-            tolerance,
-        )
-        point = point[kept]
-        neighbour = neighbour[kept]
 
     # Bound the distances from the surface and its extension beyond the rim
+    stretch = np.maximum(1.0, gap / spacing)
+    margin = 0.75 * np.sqrt(surface.dim - 1) * spacing * stretch
     last = length[surface.at_rim.any(axis=1)].max(initial=0.0)
     beyond = surface.extension * stretch.max() * (last + spacing)
-    clearance = distance - margin.max() - beyond
+    clearance = nearest - margin.max() - beyond
     outside = np.zeros(len(points), bool)
-    return Neighbours(point, neighbour, clearance, outside), motion
+    motion = slack * spacing
+    found = Samples(surface, nodes, points, facet, tree, nearest, margin[facet], motion, excludes)
+    return Neighbours(Candidates(found, alone), clearance, outside), motion
 
 
 def _neighbours_of_pieces(
@@ -211,21 +267,12 @@ def _neighbours_of_pieces(
     inside = aside <= -2.0 * bulge - motion
     near = height <= FROZEN * surface.size[facet] - 2.0 * bulge
     stays = inside & near
-    indices = indices[stays]
+    alone = Pairs(indices[stays], facet[stays])
 
     # Search the neighbours of the others
-    others = np.delete(np.arange(len(points)), indices)
-    found, _ = neighbours(surface, nodes, points[others], _SLACK_OF_PIECES)
-    clearance = np.zeros(len(points))
-    clearance[indices] = (height - 2.0 * bulge)[stays]
-    clearance[others] = found.clearance
-    result = Neighbours(
-        point=np.concatenate((indices, others[found.point])),
-        facet=np.concatenate((own[indices], found.facet)),
-        clearance=clearance,
-        outside=np.zeros(len(points), bool),
-    )
-    return result, motion
+    found, _ = neighbours(surface, nodes, points, _SLACK_OF_PIECES, alone=alone)
+    found.clearance[alone.point] = (height - 2.0 * bulge)[stays]
+    return found, motion
 
 
 class Flat(NamedTuple):
@@ -399,8 +446,8 @@ def _around(
     points: ndarray,
     nearest: ndarray,
     margin: ndarray,
-) -> tuple[ndarray, ndarray, ndarray]:
-    """Return pairs (point, sample) within a margin of the nearest sample, and its distance."""
+) -> tuple[ndarray, ndarray]:
+    """Return pairs (point, sample) within a margin of the nearest sample."""
     samples = tree.data
     rows = []
     found = []
@@ -414,4 +461,4 @@ def _around(
         near = np.sqrt(dot(offset, offset)) <= nearest[row] + margin[sample]
         rows.append(row[near])
         found.append(sample[near])
-    return np.concatenate(rows), np.concatenate(found), nearest
+    return np.concatenate(rows), np.concatenate(found)

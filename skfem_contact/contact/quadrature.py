@@ -256,7 +256,7 @@ def common_cuts(
         last = master.at(np.array([m - 1]), np.ones((1, 1)), master_nodes, 0).x[0]
         ends = np.concatenate((ends, last))
     near = np.full(len(ends), slave.spacing)
-    found = project(slave, slave_nodes, ends, near, among=facing.at(slave_nodes, ends))
+    found = project(slave, slave_nodes, ends, near, among=facing.at(slave_nodes, ends).pairs)
     opposite = found.found & (found.gap < near)
     hit = opposite & ~found.vertex & (np.abs(found.xi[:, 0]) < 1.0)
     projected = found.facet + 0.5 * (1.0 + found.xi[:, 0])

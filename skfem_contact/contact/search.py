@@ -13,7 +13,7 @@ from ..surfaces.material_points import MaterialPoints
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import across, determinant, dot, products, solve, unit
 from .fold import Fold
-from .neighbours import FROZEN, ON_FACET, Flat, Neighbours, neighbours, promising
+from .neighbours import FROZEN, ON_FACET, Flat, Pairs, neighbours, promising
 
 #: Hysteresis: at a joint that turns by less than a degree, a point leaves the facet that it had in
 #: the accepted state only beyond this share of its size, or nodes that face each other would
@@ -83,7 +83,7 @@ def project(
     depth: ndarray,
     previous: ndarray | None = None,
     frozen: ndarray | None = None,
-    among: Neighbours | None = None,
+    among: Pairs | None = None,
     held: ndarray | None = None,
     fold: Fold | None = None,
     own_facets: ndarray | None = None,
@@ -97,7 +97,7 @@ def project(
     previous, frozen : ndarray, shape (n,), optional
         Facets of the accepted state, -1 for none, and True for points that stay there or without
         any.
-    among : Neighbours, optional
+    among : Pairs, optional
         Candidates; points without any are not projected.
     held : ndarray, shape (n,), optional
         True for points that leave their facets between increments.
@@ -109,7 +109,7 @@ def project(
     if frozen is None:
         frozen = np.zeros(n, bool)
     if among is None:
-        among, _ = neighbours(surface, nodes, points)
+        among = neighbours(surface, nodes, points)[0].pairs
 
     # Project the point of each pair (point, facet) orthogonally, on facets that are close enough
     row = among.point

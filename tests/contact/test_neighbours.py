@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import skfem_contact as sc
+import skfem_contact.contact.neighbours as search_list
 from skfem_contact.contact.interface import Interface
-from skfem_contact.contact.neighbours import NeighbourList, Neighbours, neighbours
+from skfem_contact.contact.neighbours import NeighbourList, Pairs, neighbours
 from skfem_contact.contact.search import project
 from skfem_contact.surfaces.smoothing import smoothed
 from skfem_contact.surfaces.surface import Surface
@@ -39,7 +41,7 @@ def test_facets_that_have_grown_keep_the_nearest_one_among_their_neighbours(
     x, y = surface.nodes.T
     nodes = np.stack((stretch * (x + 0.2 * y), 2e-3 * y), axis=1)
     points = rng.uniform((-stretch, -3e-3), (stretch, 3e-3), (500, 2))
-    point, neighbour, *_ = neighbours(surface, nodes, points)[0]
+    point, neighbour = neighbours(surface, nodes, points)[0].pairs
     found = set(zip(point.tolist(), neighbour.tolist(), strict=True))
     begin, end = nodes[surface.facets].transpose(1, 0, 2)
     along, away = end - begin, points[:, None] - begin
@@ -76,8 +78,8 @@ def test_kept_neighbours_serve_as_new_ones(
         nodes = nodes + drift + 4e-3 * rng.standard_normal(nodes.shape)
         points = points + drift + 4e-3 * rng.standard_normal(points.shape)
         found = around.at(nodes, points)
-        searches, last = searches + (found.point is not last), found.point
-        one = project(surface, nodes, points, depth, among=found)
+        searches, last = searches + (found.candidates is not last), found.candidates
+        one = project(surface, nodes, points, depth, among=found.pairs)
         other = project(surface, nodes, points, depth)
         np.testing.assert_array_equal(one.found, other.found)
         np.testing.assert_allclose(one.gap, other.gap, rtol=0, atol=1e-11)
@@ -97,14 +99,12 @@ def test_a_segment_that_is_torn_leaves_the_others_their_neighbours(
     """
     surface = wavy(element, closed)
     points = surface.nodes + 0.05 * rng.standard_normal(surface.nodes.shape)
-    before = NeighbourList(surface).at(surface.nodes, points)
+    before = NeighbourList(surface).at(surface.nodes, points).pairs
     torn = surface.nodes.copy()
     torn[len(torn) // 2] += (0.0, 40.0)
-    found = NeighbourList(surface).at(torn, points)
+    found = NeighbourList(surface).at(torn, points).pairs
     n, m = len(points), len(surface.facets)
-    everything = Neighbours(
-        np.repeat(np.arange(n), m), np.tile(np.arange(m), n), np.zeros(n), np.zeros(n, bool)
-    )
+    everything = Pairs(np.repeat(np.arange(n), m), np.tile(np.arange(m), n))
     one = project(surface, torn, points, np.full(n, np.inf), among=found)
     other = project(surface, torn, points, np.full(n, np.inf), among=everything)
     np.testing.assert_allclose(one.gap, other.gap, rtol=0, atol=1e-11)  # what polishing leaves
@@ -122,6 +122,40 @@ def test_points_without_neighbours_are_not_projected() -> None:
         where = project(line, line.nodes, points, np.ones(2), among=found.of(np.array(chosen)))
         assert where.found.tolist() == chosen
         assert np.isinf(where.gap).tolist() == [not c for c in chosen]
+
+
+def test_candidates_are_searched_for_points_that_are_asked_for(rng, monkeypatch) -> None:
+    """[N] Trials of Newton's method throw points far away, where many facets are about as near:
+    nothing is searched for points that cannot touch, and nothing twice.
+    """
+    drum = sc.rigid.cylinder((0.0, -1.0, 0.0), (0.0, 1.0, 0.0), 1.0)
+    points = rng.uniform(-3.0, 3.0, (200, 3))
+    own = np.where(np.arange(200) < 50, 7, -1)
+    points[:50] = drum.at(np.full(50, 7), np.full((50, 2), 0.5), drum.nodes).x[0]
+    searched = []
+
+    def counting(tree, points, *others, around=search_list._around):
+        searched.append(len(points))
+        return around(tree, points, *others)
+
+    monkeypatch.setattr(search_list, "_around", counting)
+    whole = NeighbourList(drum).at(drum.nodes, points, own).pairs
+    assert searched == [150]  # the others stay on their own facets
+    searched.clear()
+
+    around = NeighbourList(drum).at(drum.nodes, points, own)
+    near = around.within(np.zeros(200), np.full(200, 0.1))
+    assert not searched
+    some = around.of(near)
+    np.testing.assert_array_equal(np.unique(some.point), np.flatnonzero(near))
+    assert searched == [near[50:].sum()]
+    assert 0 < searched[0] < 30
+    around.of(near)
+    assert len(searched) == 1
+    copied = pickle.loads(pickle.dumps(around))
+    for one, other, third in zip(around.pairs, copied.pairs, whole, strict=True):
+        np.testing.assert_array_equal(one, other)
+        np.testing.assert_array_equal(one, third)
 
 
 def test_points_known_to_lie_outside() -> None:

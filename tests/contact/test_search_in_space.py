@@ -23,7 +23,7 @@ from skfem.refdom import RefTri
 
 import skfem_contact as sc
 from skfem_contact import rigid
-from skfem_contact.contact.neighbours import NeighbourList, Neighbours
+from skfem_contact.contact.neighbours import NeighbourList, Pairs
 from skfem_contact.contact.quadrature import _points_on, gauss, nodal, piecewise
 from skfem_contact.contact.search import on_sides, project
 from skfem_contact.surfaces.smoothing import smoothed
@@ -111,8 +111,8 @@ def test_kept_neighbours_serve_as_new_ones(element, rng):
         nodes = nodes + 2e-3 * rng.standard_normal(nodes.shape)
         points = points + 2e-3 * rng.standard_normal(points.shape)
         near = around.at(nodes, points)
-        searches, last = searches + (near.point is not last), near.point
-        one = project(surface, nodes, points, np.full(200, np.inf), among=near)
+        searches, last = searches + (near.candidates is not last), near.candidates
+        one = project(surface, nodes, points, np.full(200, np.inf), among=near.pairs)
         other = project(surface, nodes, points, np.full(200, np.inf))
         np.testing.assert_allclose(one.gap, other.gap, rtol=0, atol=1e-11)
         assert (near.clearance <= np.abs(other.gap)).all()
@@ -139,26 +139,24 @@ def test_points_of_pieces_stay_on_their_facets_without_a_search(element, rng):
     )
     own[:30] = -1
     around, searches, last, m = NeighbourList(surface), 0, None, len(surface.facets)
-    everything = Neighbours(
-        np.repeat(np.arange(300), m), np.tile(np.arange(m), 300), np.zeros(300), own < 0
-    )
+    everything = Pairs(np.repeat(np.arange(300), m), np.tile(np.arange(m), 300))
     for _ in range(12):
         nodes = nodes + 1e-3 * rng.standard_normal(nodes.shape)
         points = points + 1e-3 * rng.standard_normal(points.shape)
         near = around.at(nodes, points, own)
-        searches, last = searches + (near.point is not last), near.point
+        searches, last = searches + (near.candidates is not last), near.candidates
         one, other = (
             project(surface, nodes, points, np.full(300, np.inf), own, own >= 0, among)
-            for among in (near, everything)
+            for among in (near.pairs, everything)
         )
         np.testing.assert_array_equal(one.found, other.found)
         np.testing.assert_allclose(one.gap, other.gap, rtol=0, atol=1e-13)
         np.testing.assert_array_equal(one.facet[other.found], other.facet[other.found])
         assert (near.clearance <= np.abs(other.gap) + 1e-15).all()  # that of flat facets is the gap
     assert 1 < searches < 12
-    assert np.mean(np.bincount(near.point)[30:] == 1) > 0.1  # the others are beyond
+    assert np.mean(np.bincount(near.pairs.point)[30:] == 1) > 0.1  # the others are beyond
     assert (
-        around.at(nodes, points, np.roll(own, 1)).point is not last
+        around.at(nodes, points, np.roll(own, 1)).candidates is not last
     )  # other pieces, other neighbours
 
 

@@ -1,5 +1,7 @@
 """Contact of a surface with itself: neighbours, balance, tangent and folded bodies."""
 
+import pickle
+
 import numpy as np
 import pytest
 from skfem import (
@@ -103,6 +105,8 @@ def test_closest_points_are_those_of_all_facets_that_are_no_neighbours(seed):
     pair = model.forms["fold"]
     x = overlapping(basis, seed)
     found = pair.interface.closest(x, np.zeros(0))
+    copied = pickle.loads(pickle.dumps(pair))
+    np.testing.assert_array_equal(copied.interface.closest(x, np.zeros(0)).gap, found.gap)
     slave, nodes = pair.interface.positions(x)
     points = pair.interface.points(np.zeros(0))
     at = points.positions(slave)

@@ -329,7 +329,7 @@ def test_search_in_space(n):
     at = np.stack(np.meshgrid(line[:-1], line[:-1]), axis=-1).reshape(-1, 2) + 5.0 / n
     points = np.column_stack((at, 0.1 * np.sin(at[:, 0]) * np.cos(at[:, 1]) + 0.1 / n))
     near, _ = neighbours(surface, surface.nodes, points)
-    assert len(near.point) <= 20 * n**2
+    assert len(near.pairs.point) <= 20 * n**2
     some = np.arange(n**2) % 10 == 0
     found = project(surface, surface.nodes, points, np.full(n**2, 1.0), among=near.of(some)).found
     assert np.array_equal(found, some)
@@ -342,7 +342,9 @@ def test_search_grows_like_the_number_of_segments():
         surface = sc.rigid.polyline(np.stack((t, 0.1 * np.sin(t)), axis=1))
         points = np.stack((t[:-1] + 5.0 / n, 0.1 * np.sin(t[:-1]) + 0.1 / n), axis=1)
         near, _ = neighbours(surface, surface.nodes, points)
-        assert len(near.point) <= 8 * n  # a sphere about the nearest sample meets a few segments
+        assert (
+            len(near.pairs.point) <= 8 * n
+        )  # a sphere about the nearest sample meets a few segments
         assert project(surface, surface.nodes, points, np.full(n, 1.0)).found.all()
 
 
