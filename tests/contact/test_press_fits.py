@@ -111,7 +111,7 @@ def test_pressure_of_overlaps_within_facets():
     assert "overlap" not in [one.kind for one in remarks]
 
 
-def shrunk(held=("ring:outer",), n=64, curved=False, **options):
+def shrunk(held=("ring:outer",), n=64, curved=False, enforcement=None, **options):
     """Model of a hub shrunk into a ring, both of n elements around, and its basis."""
     layers = 6 * n // 64
     flat = MeshQuad.init_tensor(np.linspace(0, 2 * np.pi, n + 1), np.linspace(0, 1, layers + 1))
@@ -139,7 +139,14 @@ def shrunk(held=("ring:outer",), n=64, curved=False, **options):
     basis = Basis(mesh, ElementVector(element), intorder=4 if curved else 2)
     laws = {"hub": sc.LinearElastic(E=1.0, nu=0.3), "ring": sc.LinearElastic(E=2.0, nu=0.3)}
     solid = sc.SolidForm(basis, laws, **options)
-    fit = sc.ContactPair(basis, "hub:outer", "ring:inner", sc.Coulomb(mu=0.2), initial=1e-3)
+    fit = sc.ContactPair(
+        basis,
+        "hub:outer",
+        "ring:inner",
+        sc.Coulomb(mu=0.2),
+        initial=1e-3,
+        enforcement=enforcement,
+    )
     return sc.Model({"bodies": solid, "fit": fit}, basis.get_dofs(list(held)).all()), basis
 
 
@@ -317,6 +324,30 @@ def test_ball_and_shell_whose_facets_do_not_match() -> None:
     # the penalty gives way by 1 % of the interference
     assert mean * gives / interference == pytest.approx(1.0, abs=0.015)
     assert found.weight.sum() == pytest.approx(np.pi / 2, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "curved, enforcement, told",
+    [(False, None, True), (False, sc.DualMultipliers(), False), (True, None, False)],
+)
+def test_friction_within_facets_of_a_fit_is_told(curved, enforcement, told, recwarn) -> None:
+    """[X] A round fit has no shear. The penalty has some within straight facets, to and fro, in any
+    mesh, and the figure of the remark is its share of mu p; multipliers and curved facets have
+    none.
+    """
+    model, _ = shrunk(("hub:inner", "ring:outer"), n=48, curved=curved, enforcement=enforcement)
+    stage = model.run([sc.Stage("fit")], **QUIET)["fit"]
+    pair, state = stage.forms["fit"], stage.states["fit"]
+    _, pressure, shear = pair.points(state).weight * np.abs((state.gap, *state.traction))
+    share = shear.sum() / pressure.sum() / 0.2
+    remarks = {one.kind: one.figure for one in pair.outputs(stage.x, state).remarks}
+    if told:
+        # slips at a few points are against that of the fit
+        assert remarks["inclined facets"] == pytest.approx(share, rel=0.05)
+        assert share > 0.5
+    else:
+        assert "inclined facets" not in remarks and share < 0.02
+    assert any("to and fro within facets" in str(w.message) for w in recwarn) is told
 
 
 def quarter_tube(inner, outer, n, layers):
