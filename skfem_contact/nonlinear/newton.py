@@ -20,8 +20,9 @@ from ..solvers.direct import SingularSystem
 logger = logging.getLogger("skfem_contact")
 #: The tangent is damped when so many iterations have not halved the residual.
 _PATIENCE = 6
-#: Accelerated iterations begin when so many iterations have not halved the residual.
-_SLOW = 4
+#: Accelerated iterations begin when so many iterations have not halved the residual. A footing of
+#: 98,304 dofs (phi 30, psi 5) takes 11 iterations in its second stage, and 29 with 4.
+_SLOW = 5
 #: So many iterations, all of them with so many times the smallest residual that has been reached,
 #: lead nowhere.
 _ASTRAY = 10

@@ -81,7 +81,8 @@ def _run(
     """Run an example as a script in a folder of its own; return what it prints."""
     matplotlib.use("Agg")
     monkeypatch.chdir(folder)
-    for given in chain.from_iterable(map(script.parent.glob, ("*.msh", "*.dxf", "*.ags"))):
+    data = ("*.msh", "*.dxf", "*.ags", "*.dat", "*.frd")
+    for given in chain.from_iterable(map(script.parent.glob, data)):
         shutil.copy(given, folder)
     monkeypatch.syspath_prepend(script.parent)  # as for a script that is run
     monkeypatch.setattr(sys, "argv", [str(script)])
