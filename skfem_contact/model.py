@@ -42,7 +42,8 @@ class Model(Setup):
         Direction of gravity, a unit vector (dim,); by default against the last axis.
     seismic
         Horizontal acceleration over the one of gravity, a number or a component for each
-        horizontal axis.
+        horizontal axis: the axes across `gravity`, in their order. In the plane gravity may be
+        inclined; the acceleration is then across it, towards x.
     water_unit_weight
         Unit weight of water, for water levels.
     gravity_acceleration
@@ -116,7 +117,8 @@ class Model(Setup):
         See :func:`~.limit_analysis.bounds`; by default the acceleration is that of the model, and
         `water` may be a level, a line or a seepage as well.
         """
-        horizontal: Any = self.seismic if seismic is None else seismic
+        given_by_model = self.seismic  # refuses gravity that bounds do not know
+        horizontal: Any = given_by_model if seismic is None else seismic
         given: Any = weight
         resting: Any = water
         return bounds(

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from typing_extensions import Self
 
 from .. import loads
-from ..arrays import max_abs
+from ..arrays import left_of, max_abs
 from ..beams.joints import refuse_loose
 from ..beams.nodes import BeamNodes
 from ..checks import check_upright, is_number, positive, unit_vector
@@ -44,6 +44,9 @@ from .supports import check_supports
 
 #: Horizontal acceleration over that of gravity beyond which its unit cannot be meant.
 _STRONGEST = 2.0
+
+#: Component of a direction along an axis below which it lies across: the limit of unit vectors.
+_ALONG = 1e-6
 
 
 class Setup:
@@ -162,13 +165,12 @@ class Setup:
             down = -np.eye(dim)[-1]
         else:
             down = unit_vector(gravity, dim, "gravity")
-        horizontal = np.zeros(dim)
         if np.size(seismic) > max(dim - 1, 1) or not np.isfinite(seismic).all():
             raise ValueError(
                 f"seismic must be finite, with at most {max(dim - 1, 1)} components, not "
                 f"{seismic!r}"
             )
-        horizontal[: np.size(seismic)] = seismic
+        horizontal = _across(down, np.atleast_1d(seismic))
         if self.coordinates == "axisymmetric" and (down + horizontal)[0] != 0.0:
             raise ValueError(
                 "in axial symmetry weights act along the axis: gravity or seismic across it needs "
@@ -438,6 +440,26 @@ class Setup:
         """Return the system of some forms, once their supports are checked."""
         check_supports(forms, fixed)
         return self.system(forms, fixed)
+
+
+def _across(down: ndarray, parts: ndarray) -> ndarray:
+    """Return the vector across gravity with some components along its horizontal axes, (dim,)."""
+    dim = len(down)
+    horizontal = np.zeros(dim)
+    if not parts.any():
+        return horizontal
+    axes = np.flatnonzero(abs(down) < _ALONG)
+    if len(axes) == max(dim - 1, 1):  # gravity acts along one of the axes
+        horizontal[axes[: len(parts)]] = parts
+        return horizontal
+    if dim != 2:
+        raise ValueError(
+            f"seismic needs gravity along one of the axes in space, not {down.tolist()}: rotate "
+            f"the mesh"
+        )
+    # The horizontal direction of inclined gravity is the one towards x.
+    towards = left_of(down)
+    return np.asarray(parts[0] * np.copysign(1.0, towards[0]) * towards)
 
 
 def let_go(forms: Forms, inactive: ndarray, gone: ndarray) -> dict[str, Form]:

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+from skfem import (
+    Basis,
+    ElementHex1,
+    ElementQuad1,
+    ElementTriP2,
+    ElementVector,
+    MeshHex,
+    MeshQuad,
+    MeshTri,
+)
 
 import skfem_contact as sc
 from tests.tools.scenes import halves
@@ -25,6 +34,49 @@ def test_loads():
 
 
 ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)
+
+
+@pytest.mark.parametrize(
+    ("gravity", "total"),
+    [
+        ((1.0, 0.0), (20.0, 4.0)),
+        ((-1.0, 0.0), (-20.0, 4.0)),
+        ((0.0, 1.0), (4.0, 20.0)),
+        ((0.6, -0.8), (0.6 * 20.0 + 0.8 * 4.0, -0.8 * 20.0 + 0.6 * 4.0)),
+    ],
+)
+def test_seismic_acceleration_is_across_gravity(gravity, total):
+    """It acted along x always: with gravity along x it made the weight larger."""
+    basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    solid = sc.SolidForm(basis, ELASTIC, unit_weight=20.0)
+    held = basis.get_dofs("bottom").all()
+    model = sc.Model({"square": solid}, held, gravity=gravity, seismic=0.2)
+    force = model.weights(model.forms).reshape(-1, 2).sum(axis=0)
+    np.testing.assert_allclose(force, total, **EXACT)
+
+
+def test_seismic_acceleration_in_space_where_another_axis_is_upright():
+    basis = Basis(MeshHex().with_defaults(), ElementVector(ElementHex1()), intorder=2)
+    solid = sc.SolidForm(basis, ELASTIC, unit_weight=20.0)
+    held = basis.get_dofs("bottom").all()
+
+    def total(gravity, seismic):
+        model = sc.Model({"cube": solid}, held, gravity=gravity, seismic=seismic)
+        return model.weights(model.forms).reshape(-1, 3).sum(axis=0)
+
+    np.testing.assert_allclose(total((0, -1, 0), (0.1, 0.2)), [2.0, -20.0, 4.0], **EXACT)
+    np.testing.assert_allclose(total((-1, 0, 0), 0.1), [-20.0, 2.0, 0.0], **EXACT)
+    with pytest.raises(ValueError, match="seismic needs gravity along one of the axes in space"):
+        total((0.6, 0.0, -0.8), 0.1)
+
+
+def test_bounds_with_a_seismic_acceleration_of_their_own_need_upright_gravity():
+    """They took gravity against the last axis without a word."""
+    basis = Basis(MeshTri().refined(2).with_defaults(), ElementVector(ElementTriP2()))
+    clay = sc.SolidForm(basis, sc.Tresca(1e4, 0.3, c=10.0), unit_weight=20.0)
+    model = sc.Model({"clay": clay}, basis.get_dofs("bottom").all(), gravity=(1.0, 0.0))
+    with pytest.raises(ValueError, match="bounds need gravity against the last axis"):
+        model.bounds(seismic=0.1)
 
 
 def test_subdomain_without_weight():
