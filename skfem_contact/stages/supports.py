@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -11,11 +12,13 @@ from skfem import CellBasis
 
 from ..arrays import max_abs
 from ..checks import format_point
+from ..contact.base import ContactBase
 from ..errors import Remark
 from ..forms.base import Form, Forms, solids_of
-from ..forms.roles import Couples, joined_by
+from ..forms.roles import Couples, having, joined_by
 from ..layout import different, elements_in, others, rigid_modes
 from ..mesh import bodies
+from ..surfaces.surface import Surface
 
 #: Strain of a turn that is remarked on. Below a disc that is pressed by a strain of 2e-3 and
 #: turned, pressures are off by 8, 31 and 100 % with 4e-5, 1.5e-4 and 6e-4.
@@ -32,6 +35,7 @@ def check_supports(forms: Forms, fixed: ndarray) -> None:
     count as one, and bodies that meet a rigid obstacle pass: contact may hold them. Other forms may
     hold any body.
     """
+    _check_pairs(having(forms, ContactBase))
     # Forms may join bodies, or hold any of them.
     solids = solids_of(forms)
     joined = []
@@ -117,6 +121,36 @@ def _check_elements(
             f"first is at {format_point(basis.doflocs[:, loose[0]])}{_without(basis, count)}. Give "
             "every body a form, also one that is activated later, or leave it out of the mesh"
         )
+
+
+def _check_pairs(pairs: Mapping[str, ContactBase]) -> None:
+    """Refuse two contact pairs of the same facets that do more than the work of one together."""
+    sides = {}
+    for name, pair in pairs.items():
+        sides[name] = _facets_of(pair.slave), _facets_of(pair.facets)
+    for one, other in combinations(pairs, 2):
+        slave, master = sides[one]
+        alike = not (slave.isdisjoint(sides[other][0]) or master.isdisjoint(sides[other][1]))
+        turned = not (slave.isdisjoint(sides[other][1]) or master.isdisjoint(sides[other][0]))
+        if (alike or turned) and _work_of(pairs[one]) + _work_of(pairs[other]) > 1.0:
+            raise ValueError(
+                f"'{one}' and '{other}' are contact of the same facets: stiffness, adhesion and "
+                "bonds act twice; leave one out or deactivate it, or give both share=0.5 for two "
+                "passes"
+            )
+
+
+def _facets_of(surface: Surface) -> set[Any]:
+    """Return the facets of a surface by their dofs; a rigid one is the same as itself alone."""
+    if surface.rigid:
+        return {id(surface)}
+    dofs = np.sort(surface.dofs[surface.facets, 0], axis=1)
+    return set(map(tuple, dofs.tolist()))
+
+
+def _work_of(pair: ContactBase) -> float:
+    """Return the share of the work of contact that a pair does; of one surface both walls do it."""
+    return pair.share * (2.0 if pair.folds else 1.0)
 
 
 def _without(basis: CellBasis, count: ndarray) -> str:

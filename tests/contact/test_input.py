@@ -58,3 +58,37 @@ def test_surfaces_with_common_facets_are_one_that_folds():
     mesh = MeshTri().refined(2).with_boundaries(sides)
     with pytest.raises(ValueError, match=r"share 9 nodes.*give the whole boundary .* as both"):
         sc.ContactPair(vector_basis(mesh, "P2"), "top", "skin", sc.Coulomb())
+
+
+@pytest.mark.parametrize("enforcement", [None, sc.AugmentedLagrangian(), sc.DualMultipliers()])
+@pytest.mark.parametrize("turned", [False, True])
+def test_two_pairs_of_the_same_facets_are_refused(enforcement, turned):
+    """They had twice the adhesion: a block was pushed with 29.2 instead of 21.9."""
+    basis = halves()
+    sides = ("l:right", "r:left")
+    method = {"enforcement": enforcement}
+    forms = {
+        "both": sc.SolidForm(basis, ELASTIC),
+        "one": sc.ContactPair(basis, *sides, sc.Coulomb(0.3, adhesion=5.0), **method),
+        "two": sc.ContactPair(basis, *sides[:: -1 if turned else 1], sc.Coulomb(), **method),
+    }
+    model = sc.Model(forms, basis.get_dofs("l:bottom").all())
+    message = "'one' and 'two' are contact of the same facets: stiffness, adhesion"
+    with pytest.raises(ValueError, match=message):
+        model.run([sc.Stage("rest")], progress=False)
+    # one after the other they may act
+    model.run([sc.Stage("rest", deactivate="two")], progress=False)
+
+
+def test_two_passes_with_half_of_the_work_each_are_accepted():
+    basis = halves()
+    forms = {
+        "both": sc.SolidForm(basis, ELASTIC),
+        "one": sc.ContactPair(basis, "l:right", "r:left", sc.Tied(), share=0.5),
+        "two": sc.ContactPair(basis, "r:left", "l:right", sc.Tied(), share=0.5),
+    }
+    model = sc.Model(forms, basis.get_dofs("l:bottom").all())
+    load = model.traction("r:right", (1.0, 0.0))
+    pulled = model.run([sc.Stage("pull", load)], progress=False)["pull"]
+    total = pulled.contact("one").force - pulled.contact("two").force
+    np.testing.assert_allclose(abs(total), [1.0, 0.0], atol=1e-6)
