@@ -194,9 +194,16 @@ def _followed(
     newton = setup.newton or Newton(tolerance=0.03 * o.tolerance, max_iterations=30)
     shown = progress_bar(o.progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}")
     with shown as bar:
-        log = SearchLog(system, bar, begun.origin)
+        origin = begun.origin
+        log = SearchLog(system, bar, origin)
         accepted.follow(branch, log, o.flow)
-        first = _first(branch, begun.origin, o.step, newton, log)
+        first = _first(branch, origin, o.step, newton, log)
+        if first.work <= 0.0:
+            # Loads that stay move the structure against the load: begin from their equilibrium
+            origin = replace(_first(branch, origin, 0.0, newton, log), work=0.0)
+            log = SearchLog(system, bar, origin)
+            accepted.follow(branch, log, o.flow)
+            first = _first(branch, origin, o.step, newton, log)
         course = Course(
             o.tolerance,
             relative=True,
@@ -205,7 +212,7 @@ def _followed(
             max_step=o.max_step * first.work,
             min_displacement=o.min_displacement,
         )
-        points = [begun.origin, first]
+        points = [origin, first]
         search = follow(branch, branch.reference, points, newton, course, log)
     end = search.points[-1]
     result = conclude(

@@ -17,6 +17,7 @@ from skfem import (
     LinearForm,
     MeshQuad,
     MeshQuad2,
+    MeshTri,
 )
 
 import skfem_contact as sc
@@ -259,3 +260,24 @@ def test_a_step_ends_where_its_tangent_leads_far_beyond_it(weak, fails):
         found = continuation.correct(branch, pull, points, 2.0, sc.Newton())
         assert found.parameter == pytest.approx(2.0)
         assert found.x == pytest.approx([2.0, -1.0 / weak])
+
+
+@pytest.mark.parametrize("unit_weight", [0.0, 20.0])
+def test_weights_that_move_against_the_load(unit_weight):
+    """A pile that is pulled out of ground that settles: the first step did negative work, and the
+    search ended at once with displacements that are no numbers.
+    """
+    line = np.linspace(0.0, 2.0, 5)
+    mesh = MeshTri.init_tensor(line, line[:3]).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    pile = sc.Beam(None, [(1.0, 0.9), (1.0, 0.6), (1.0, 0.3)], EI=1.0, EA=1e4)
+    forms = {
+        "ground": sc.SolidForm(basis, sc.LinearElastic(1e4, 0.3), unit_weight=unit_weight),
+        "pile": pile,
+        "skin": sc.Embedded(basis, pile, T_max=5.0),
+    }
+    model = sc.Model(forms, basis.get_dofs("bottom").all())
+    pull = model.forms["pile"].load((0.0, 1.0), at=(1.0, 0.9))
+    found = model.limit_load(pull, progress=False)
+    assert found.stop.kind == "plateau"
+    assert found.multiplier == pytest.approx(5.0 * 0.6, rel=1e-3)
