@@ -407,6 +407,8 @@ def _class(cls: Any) -> Kind:
     if cls.__module__ == "os" or not getattr(cls, "_is_protocol", False):
         return Kind(name, _instance_of(cls))
     calls = [call for call in vars(cls) if call[0] != "_"]
+    if cls.__name__[0] == "_":  # no user knows its name
+        name = f"an object with {' and '.join(calls)}"
 
     def holds(value: Any) -> bool:
         return not isinstance(value, type) and all(hasattr(value, call) for call in calls)

@@ -139,6 +139,7 @@ def test_kind_of_shown_water():
     kind = checks.kind_of(Shown)
     assert all(map(kind.holds, [True, False, 2.0, [1.0, 2.0], np.zeros(3), lambda x: x]))
     assert not kind.holds("a")
+    assert kind.name.startswith("finite numbers or an object with pressure_at or a function")
 
 
 def test_facets_are_named_once():

@@ -215,8 +215,11 @@ def traction(
         given = np.reshape(force, (-1, 1, 1))
     values = np.atleast_1d(np.asarray(given, float))
     if len(values) != dim or not np.isfinite(values).all():
+        shown = repr(force)
+        if callable(force):
+            shown = f"{values.ravel()[:4].tolist()}, the first values of its function"
         raise ValueError(
-            f"the force on '{boundary}' must have {dim} finite components, not {force!r}"
+            f"the force on '{boundary}' must have {dim} finite components, not {shown}"
         )
     radius = 1.0
     if axisymmetric:

@@ -23,7 +23,11 @@ def test_traction_has_the_resultant_of_its_forces():
 
 @pytest.mark.parametrize(
     "force, message",
-    [((1.0,), "must have 2 finite components"), ((1.0, np.nan), "each a finite number")],
+    [
+        ((1.0,), "must have 2 finite components"),
+        ((1.0, np.nan), "each a finite number"),
+        (lambda x: (np.nan, 1.0), r"not \[nan, 1.0\], the first values of its function"),
+    ],
 )
 def test_wrong_forces_are_refused(force, message):
     basis = vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1")
