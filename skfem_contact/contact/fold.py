@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -85,7 +84,8 @@ class Fold:
         return np.asarray((ends & (at_side | at_corner)).any(axis=1))
 
 
-class Beside(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Beside:
     """Neighbours of points that lie on facets of the slave."""
 
     fold: Fold

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import coo_matrix, csr_matrix, diags_array, hstack
+from scipy.sparse import csr_matrix, diags_array, hstack
 from scipy.sparse.linalg import lsqr, norm
 from typing_extensions import override
 
@@ -20,6 +20,7 @@ from .base import ContactBase
 from .diagnosis import on_torque
 from .interface import ContactState
 from .laws import LawUpdate, Status, resisting
+from .reactions import nodal_forces, reactions
 
 #: Components of a stress by their indices in the tensor.
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
@@ -144,16 +145,8 @@ class TractionOperator:
         self.coordinates = points.positions(pair.slave.nodes)
 
         # Forces of a traction at each point
-        n = len(points.weight)
         dim = pair.slave.dim
-        weight = pair.share * points.weight[at]
-        values = weight[:, None, None] * frame.expanded(frame.work)  # (n_closed, dim, m)
-        component = at[:, None] + n * np.arange(dim)
-        rows = np.broadcast_to(frame.dofs[:, None], values.shape)
-        columns = np.broadcast_to(component[:, :, None], values.shape)
-        moving = rows >= 0
-        entries = (values[moving], (rows[moving], columns[moving]))
-        self.forces = coo_matrix(entries, shape=(pair.size, dim * n)).tocsr()
+        self.forces = nodal_forces(pair, points, at, frame)
         self.scale = np.tile(1.0 / np.sqrt(points.weight), dim)
 
     def forces_on(self, n: int) -> csr_matrix:
@@ -161,6 +154,10 @@ class TractionOperator:
         forces = self.forces.copy()
         forces.resize((n, forces.shape[1]))  # type: ignore[call-arg, arg-type, unused-ignore]
         return forces
+
+    def reactions(self) -> csr_matrix | None:
+        """Return all nodal forces that contact can exert, see :func:`reactions`."""
+        return reactions(self._pair, self._x, self._state)
 
     def of_stress(self, stress: ndarray) -> ndarray:
         """Return the tractions of stresses at the points, shape (dim n_points,)."""

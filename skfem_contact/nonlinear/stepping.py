@@ -70,6 +70,7 @@ class Stepping:
         self._compared: dict[str, float] = {}
         self._same: int | None = None
         self._times = 0
+        self._loose = False
 
     @property
     def fraction(self) -> float:
@@ -98,7 +99,8 @@ class Stepping:
     @property
     def exhausted(self) -> bool:
         """True if smaller increments would show no more."""
-        return self._size < _SMALLEST * self._shortest or self._limited or self._hopeless
+        smallest = self._size < _SMALLEST * self._shortest
+        return smallest or self._limited or self._hopeless or self._loose
 
     @property
     def _hopeless(self) -> bool:
@@ -172,8 +174,9 @@ class Stepping:
             return size
         return float(remaining / np.ceil(remaining / size * (1.0 - _ROUND_OFF)))
 
-    def reject(self, error: NotConverged) -> None:
-        """Record a failure."""
+    def reject(self, error: NotConverged, held: float = 1.0) -> None:
+        """Record a failure, where contact may hold a share of the increment at most."""
+        self._loose = held * self._size < _SMALLEST
         share = _HALF
         if self.try_recovery:
             share = _QUARTER
@@ -195,6 +198,11 @@ class Stepping:
         if self._hopeless:
             advice = "(hold the body, or close its contact)"
             return f"{reached}, where nothing resists a motion in any increment {advice}"
+        if self._loose:
+            return (
+                f"{reached}, for no contact forces hold more of it where bodies are: they slide or "
+                "turn as rigid ones (hold them, or more friction)"
+            )
         if self._limited:
             return f"{reached}, the displacements run away at {self._collapsed:.2%}"
         return reached

@@ -20,6 +20,7 @@ from ..errors import NotConverged, Remark, Remarks, saying, warn
 from ..forms.base import Forms, solids_of, summaries
 from ..forms.roles import Absorbing, Wet, having
 from ..nonlinear.increment import Interval, Path, solve_step
+from ..nonlinear.loose import share_held
 from ..nonlinear.newton import Newton
 from ..nonlinear.step import Equilibrium, Step
 from ..nonlinear.stepping import Predictor, Stepping
@@ -565,7 +566,10 @@ def _along(
             share = fraction - last.fraction
             creep = creep_errors(system.forms, states, times, share, driven)
         except NotConverged as error:
-            stepping.reject(error)
+            held = 1.0
+            if not duration and not driven:
+                held = share_held(step, last.load, error.x)
+            stepping.reject(error, held)
             text = "%s: increment to %.4f failed, cut to %.4f: %s"
             logger.info(text, way, fraction, stepping.size, error)
             if stepping.exhausted:

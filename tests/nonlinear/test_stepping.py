@@ -39,6 +39,15 @@ def test_stalls_are_no_limit():
     assert 0.35 - 2 / 1024 < float(str(stepping).split()[2].rstrip("%")) / 100 <= 0.35
 
 
+def test_bodies_that_no_contact_holds_end_at_once():
+    """[N] Where contact may hold less than the smallest increment, smaller ones are not tried."""
+    stepping = Stepping(1)
+    stepping.reject(NoEquilibrium("collapse"), held=0.01)
+    assert not stepping.exhausted
+    stepping.reject(NoEquilibrium("collapse"), held=0.001)
+    assert stepping.exhausted and "no contact forces hold" in str(stepping)
+
+
 def test_collapse_that_was_passed_is_forgotten():
     """[X] What a large increment could not reach, small ones did."""
     stepping = Stepping(1)
