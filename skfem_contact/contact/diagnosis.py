@@ -159,6 +159,15 @@ def _on_distance(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
             f"element, up to {-state.gap.min():.3g}, and do not touch it; the deepest is at "
             f"{place}",
         )
+    elif _overlap_of_supports(pair, state) > 0.0:
+        overlap = _overlap_of_supports(pair, state)
+        yield Remark(
+            "held overlap",
+            overlap,
+            f"supports hold '{slave}' and '{master}' where they overlap by {overlap:.3g}: no "
+            "contact traction acts there, for none moves anything; free one side, or take them "
+            "apart",
+        )
     elif (state.status == Status.OPEN).all() and pair.interface.fold is None:
         gap = float((state.gap - state.clearance).min())
         found = f"gap is {gap:.3g} between '{slave}' and '{master}', smallest at {place}"
@@ -167,6 +176,16 @@ def _on_distance(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
         yield Remark(
             "open", np.nan_to_num(gap), f"no slave point found a master within reach: {found}"
         )
+
+
+def _overlap_of_supports(pair: ContactBase, state: ContactState) -> float:
+    """Return the largest overlap on facets that need no multipliers, for supports hold them."""
+    if not pair.saddle or pair.symmetry is None:
+        return 0.0
+    points = pair.points(state)
+    is_held = pair.symmetry.clamped[pair.slave.facets].all(axis=1)[points.facet]
+    overlap = np.where(is_held, state.clearance - state.gap, 0.0)
+    return float(overlap[overlap > TOUCHING * points.size].max(initial=0.0))
 
 
 def _on_facets(pair: ContactBase, state: ContactState, meshed: ndarray) -> Iterator[Remark]:

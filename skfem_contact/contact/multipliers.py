@@ -300,6 +300,7 @@ def integrals(
         psi = duals(facing, psi, len(pair.slave.facets))
     if pair.symmetry is not None:
         psi = _spread(psi, pair.symmetry.across[facing.nodes])
+        psi = np.where(pair.symmetry.clamped[facing.nodes].all(axis=1)[:, None], 0.0, psi)
     weights = pair.share * facing.weight[:, None] * psi
     gaps = (gap - state.clearance)[at]
     nodes = facing.nodes.ravel()

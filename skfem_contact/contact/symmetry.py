@@ -49,7 +49,8 @@ class Symmetry:
     of the node: its nodal force acts on supports alone, and so it does where a node is held above a
     rigid master. Tractions would ripple from there into the joint. It follows its neighbours
     instead, as at the ends of mortar spaces (B. I. Wohlmuth, SIAM J. Numer. Anal. 38 (2000)
-    989-1012).
+    989-1012). On facets whose nodes supports hold in all directions no traction moves anything, and
+    none closes an overlap: they have none.
 
     Attributes
     ----------
@@ -57,6 +58,8 @@ class Symmetry:
         Mask of the directions of slip that are held.
     across : ndarray, shape (n_nodes,)
         Mask of the nodes that are held across the surface.
+    clamped : ndarray, shape (n_nodes,)
+        Mask of the nodes that are held in all directions.
     followed : csr_matrix, shape (n_nodes, n_nodes), or None
         Means of the neighbours of these nodes; None without such nodes.
     own, opposite : ndarray, shape (n_nodes, dim)
@@ -67,6 +70,7 @@ class Symmetry:
 
     along: ndarray
     across: ndarray
+    clamped: ndarray
     followed: csr_matrix | None
     own: ndarray
     opposite: ndarray
@@ -96,6 +100,7 @@ class Symmetry:
         return cls(
             along=along.T,
             across=across,
+            clamped=np.asarray(stays.all(axis=1)),
             followed=_followed(slave, across),
             own=np.where(held, own, -1),
             opposite=np.where(held, opposite, -1),

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from contact_problems import LOWER, MU, UPPER, Contact, hertz, patch, patch_errors
+from skfem import LinearForm
 from space_problems import MASTER, SLAVE, paraboloid, sheared_paraboloid
 
 import skfem_contact as sc
@@ -693,3 +694,36 @@ def test_coarse_slaves_carry_moments_to_finer_masters(n: int, m: int) -> None:
     exact = slope * np.asarray(basis.global_coordinates())[0]
     error = np.abs(stage.states["solid"].stress[1] - exact).max()
     assert error < (1e-6 if n <= m else 0.05) * slope
+
+
+@pytest.mark.parametrize("overlap, fit", [(1e-3, "as meshed"), (1e-9, "as meshed"), (0.0, 1e-3)])
+def test_joints_that_supports_hold_need_no_multipliers(overlap, fit, recwarn) -> None:
+    """[X] Both sides of a joint are held: a layer of weight w and height one beside it moves as if
+    its side were clamped, by w / 2 E with nu = 0, and an overlap is told, not resolved.
+    """
+    low = grid("Q1", np.linspace(0.0, 2.0, 5), np.linspace(0.0, 1.0, 3))
+    high = grid("Q1", np.linspace(0.0, 2.0, 7), np.linspace(1.0, 2.0, 3))
+    mesh = sc.join_bodies(
+        {
+            "low": low.with_boundaries({"top": lambda x: x[1] == 1.0}),
+            "up": high.translated((0.0, -overlap)).with_boundaries(
+                {"base": lambda x: x[1] < 1.01, "top": lambda x: x[1] > 1.99}
+            ),
+        }
+    )
+    basis = vector_basis(mesh, "Q1")
+    law = sc.Coulomb(0.2)
+    forms = {
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=10.0, nu=0.0)),
+        "joint": sc.ContactPair(
+            basis, "up:base", "low:top", law, initial=fit, enforcement=sc.DualMultipliers()
+        ),
+    }
+    fixed = basis.get_dofs(["low:top", "up:base"]).all()
+    weight = LinearForm(lambda v, w: -2e-2 * v[1]).assemble(basis)
+    stage = sc.Model(forms, fixed).run([sc.Stage("weight", weight)], progress=False)[-1]
+    top = basis.get_dofs("up:top").all("u^2")
+    assert stage.x[top] == pytest.approx(-1e-3, rel=1e-6)
+    assert not stage.states["joint"].traction.any()
+    told = [str(w.message) for w in recwarn if "supports hold 'up:base'" in str(w.message)]
+    assert len(told) == (overlap + (fit == 1e-3) * 1e-3 > 1e-8)
