@@ -12,6 +12,7 @@ from numpy import ndarray
 from ..arrays import max_abs
 from ..display import Table
 from ..errors import NoEquilibrium, NotConverged, warn
+from ..forms.assembly import has_corners_only
 from ..forms.base import Form, Forms, States, dilate_less
 from ..forms.roles import Body, Reducible, having
 from ..limit_analysis import Bounds
@@ -421,12 +422,18 @@ class CollapseResult:
     def _advice(self) -> str:
         """Return advice where no limit was shown, for a message."""
         # Ends without a limit have their own causes.
+        bodies = having(self.end.forms, Body)
+        for name, form in bodies.items():
+            x = self.end.x[: form.size]
+            for remark in form.outputs(x, self.end.states[name]).remarks:
+                if remark.kind == "swing":
+                    return f"; {name}: {remark.text}"
         if self.stop.kind in ("max_value", "steps"):
-            return (
-                "; elements of order 1 may lock (strain='b_bar'), or parts that are not reduced "
-                "resist the load"
-            )
-        for name, form in having(self.end.forms, Body).items():
+            others = "parts that are not reduced resist the load"
+            if any(has_corners_only(form.basis) for form in bodies.values()):
+                return f"; elements of corner nodes alone may lock, or {others}"
+            return f"; {others}"
+        for name, form in bodies.items():
             if self.stop.kind == "stall" and form.quadrature_advice:
                 return f"; {name}: {form.quadrature_advice}"
         # A path without normality may end.

@@ -173,7 +173,9 @@ def locking(
     instead = "take elements of second order"
     if len(basis.mesh.t) == 2**dim and finite:
         instead = 'take strain="f_bar", or elements of second order'
-    elif len(basis.mesh.t) == 2**dim and coordinates != "axisymmetric":
+    elif coordinates == "axisymmetric":
+        instead = "take ElementTriP2 or ElementQuadS2 with intorder=2"
+    elif len(basis.mesh.t) == 2**dim:
         instead = 'take strain="b_bar", or elements of second order'
     if yielded:
         yield Remark(
@@ -196,20 +198,22 @@ def locking(
         )
 
 
-def swing(basis: CellBasis, stress: ndarray, weight: ndarray) -> float:
+def swing(basis: CellBasis, stress: ndarray, weight: ndarray, yields: bool = False) -> float:
     """Return mean stresses, less their linear part in elements, over the largest shear stresses.
 
-    Both are averages with a weight, (n_elements, n_points).
+    Both are averages with a weight, (n_elements, n_points). Shear stresses far below the mean ones
+    are round-off and the result zero, unless it is known that the material yields there.
     """
     # Subtract the linear part of the mean stresses in each element.
     mean = stress[:3].mean(axis=0)
     at = basis.X
     linear = np.column_stack((np.ones(at.shape[1]), at.T))
     rest = mean - mean @ (linear @ np.linalg.pinv(linear)).T
-    # Compare the rest with the largest shear stresses, unless they are round-off.
+    # Compare the rest with the largest shear stresses.
     largest, _, smallest = principal_stresses(stress)
     shear = 0.5 * (weight * (largest - smallest)).sum()
-    if shear <= _NO_SHEAR * (weight * np.abs(mean)).sum():
+    least = 0.0 if yields else _NO_SHEAR * (weight * np.abs(mean)).sum()
+    if shear <= least:
         return 0.0
     return float((weight * np.abs(rest)).sum() / shear)
 

@@ -901,9 +901,10 @@ class SolidForm(Form, Body, Staged, Timed, Reducible, Dissipating):
         # Points that yield count, if they are more than a few.
         weight = self.weight
         yielded = weight * (self.variable(PLASTIC_STRAIN, state) > 0)
-        if yielded.sum() > _FEW * weight.sum():
+        yields = bool(yielded.sum() > _FEW * weight.sum())
+        if yields:
             weight = yielded
-        times = swing(self.basis, state.stress, weight)
+        times = swing(self.basis, state.stress, weight, yields)
         if times > SWING:
             yield Remark(
                 "swing",

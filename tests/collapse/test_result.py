@@ -11,6 +11,7 @@ import pytest
 from skfem import (
     Basis,
     ElementQuad1,
+    ElementQuadS2,
     ElementTetP2,
     ElementVector,
     FacetBasis,
@@ -236,3 +237,43 @@ def test_a_value_that_needs_large_displacements_is_told():
         0.1,
         pytest.approx(21.0, rel=5e-3),
     )  # the search's tolerance and the printed digits
+
+
+@pytest.mark.parametrize(
+    "element, order, told",
+    [
+        (ElementQuad1(), 2, "corner nodes alone.*take ElementTriP2 or ElementQuadS2 with intor"),
+        (ElementQuadS2(), 4, "no collapse was shown.*QuadS2 of 9 points, which lock.*intorder=2"),
+        (ElementQuadS2(), 2, ""),
+    ],
+)
+def test_locking_around_a_sphere_is_told(element, order, told, recwarn) -> None:
+    """[X] A spherical cavity in clay, a = 1 and b = 10, yields throughout at 4 c ln(b / a). Without
+    reduced integration no axisymmetric element keeps its volume: the load grows without end, up to
+    1e13, where shear stresses are small beside the mean ones but no round-off.
+    """
+    flat = MeshQuad.init_tensor(np.geomspace(1.0, 10.0, 9), np.linspace(0.0, 0.5 * np.pi, 9))
+    r, angle = flat.p
+    mesh = MeshQuad(np.array([r * np.sin(angle), r * np.cos(angle)]), flat.t[::-1])
+    mesh = mesh.with_boundaries(
+        {
+            "wall": lambda x: np.hypot(*x) < 1.02,
+            "axis": lambda x: x[0] < 1e-9,
+            "base": lambda x: x[1] < 1e-9,
+        }
+    )
+    basis = Basis(mesh, ElementVector(element), intorder=order)
+    clay = sc.Tresca(E=300.0, nu=0.49, c=1.0)
+    forms = {"clay": sc.SolidForm(basis, clay, coordinates="axisymmetric")}
+    fixed = np.append(basis.get_dofs("axis").all("u^1"), basis.get_dofs("base").all("u^2"))
+    pressure = LinearForm(lambda v, w: -(v[0] * w.n[0] + v[1] * w.n[1]) * w.x[0])
+    load = pressure.assemble(FacetBasis(mesh, basis.elem, facets="wall"))
+    found = analysis("limit_load", forms, fixed, load, progress=False)
+    texts = [str(w.message) for w in recwarn if "lock" in str(w.message) or "alone" in str(w)]
+    if told:
+        assert found.multiplier > 100.0
+        assert any(re.search(told, text) for text in texts)
+        assert not any("b_bar" in text for text in texts)
+    else:
+        assert found.multiplier == pytest.approx(4.0 * np.log(10.0), rel=2e-3)
+        assert not texts
