@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -277,6 +278,13 @@ def _check_boundaries(forms: Forms, fixed: ndarray, layout: Layout) -> None:
             raise ValueError(
                 f"all {len(acting)} dofs of '{name}' are held, where no wave can leave: take these "
                 "supports away by Stage(fixed=...)"
+            )
+    for (one, first), (other, second) in combinations(having(forms, Absorbing).items(), 2):
+        common = len(np.intersect1d(first.facets, second.facets))
+        if common:
+            raise ValueError(
+                f"waves leave twice at {common} facets, through '{one}' and '{other}': leave one "
+                "out; a free field has dashpots of its own"
             )
 
 

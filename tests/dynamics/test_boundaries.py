@@ -196,3 +196,15 @@ def test_boundary_of_weightless_ground():
     shake = sc.Stage("shake", duration=1.0, dynamic=sc.Dynamic(0.1))
     with pytest.raises(ValueError, match="ground at 'side' has no stiffness or no weight"):
         model.run([shake], progress=False)
+
+
+@pytest.mark.parametrize("second", [sc.ViscousBoundary, sc.FreeField])
+def test_two_boundaries_for_waves_at_one_side_are_refused(second):
+    """Their dashpots added up, and held back the motion of the free field."""
+    basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), unit_weight=20.0)
+    forms = {"soil": soil, "left": sc.ViscousBoundary(soil, "left"), "again": second(soil, "left")}
+    model = sc.Model(forms, basis.get_dofs("bottom").all(), gravity_acceleration=9.81)
+    shake = sc.Stage("shake", duration=1.0, dynamic=sc.Dynamic(0.1))
+    with pytest.raises(ValueError, match="twice at 1 facets, through 'left' and 'again'"):
+        model.run([shake], progress=False)
