@@ -139,7 +139,7 @@ class ViscousBoundary(Form, Couples, Absorbing):
         self._solid = solid
         self._boundary = boundary
         self._rock = rock
-        self.facets = np.asarray(facets)
+        self.absorbs_at = np.asarray(facets)
         self._facets = FacetBasis(mesh, basis.elem, facets=facets, intorder=4)
         self._empty = csr_matrix((self.size, self.size))
 

@@ -88,7 +88,7 @@ class FreeField(Form, Couples, Staged, Absorbing):
         if solid.coordinates != "plane":
             raise ValueError(f"a free field is of plane ground, not {solid.coordinates}")
         self._dashpots = ViscousBoundary(solid, boundary)
-        self.facets = self._dashpots.facets
+        self.absorbs_at = self._dashpots.absorbs_at
         self._solid = solid
         self._boundary = boundary
         self._rock = rock

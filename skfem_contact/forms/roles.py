@@ -533,12 +533,12 @@ class Absorbing:
     ----------
     of_rock
         True if the motion of the base arrives here, from the rock below.
-    facets
+    absorbs_at
         Facets of the mesh through which waves leave: of one boundary alone.
     """
 
     of_rock: bool = False
-    facets: ndarray = np.zeros(0, int)
+    absorbs_at: ndarray = np.zeros(0, int)
 
     def matrices(self, given: Any) -> tuple[csr_matrix, csr_matrix]:
         """Return mass and damping, (N, N) each.

@@ -280,7 +280,7 @@ def _check_boundaries(forms: Forms, fixed: ndarray, layout: Layout) -> None:
                 "supports away by Stage(fixed=...)"
             )
     for (one, first), (other, second) in combinations(having(forms, Absorbing).items(), 2):
-        common = len(np.intersect1d(first.facets, second.facets))
+        common = len(np.intersect1d(first.absorbs_at, second.absorbs_at))
         if common:
             raise ValueError(
                 f"waves leave twice at {common} facets, through '{one}' and '{other}': leave one "
