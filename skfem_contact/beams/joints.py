@@ -17,7 +17,7 @@ from ..checks import format_point
 from ..errors import Remark
 from ..forms.base import Form
 from ..forms.roles import Body, Couples, Touching, borrowed_by
-from ..layout import Field, FieldDofs
+from ..layout import Field, FieldDofs, Layout
 from .nodes import AT, Nodes
 
 #: Squared strain of a motion without strain, relative to the largest one: a chain of n elements has
@@ -250,7 +250,7 @@ def loose_motion(
     return dofs[free], motion
 
 
-def refuse_loose(name: str, forms: Mapping[str, Any], held: ndarray) -> None:
+def refuse_loose(name: str, forms: Mapping[str, Any], layout: Layout, held: ndarray) -> None:
     """Refuse a numbered beam or reinforcement that moves freely: no other form acts on it."""
     form = forms[name]
     strains, dofs = form.strains
@@ -261,10 +261,7 @@ def refuse_loose(name: str, forms: Mapping[str, Any], held: ndarray) -> None:
     if loose is None:
         return
     moving, motion = loose
-    element, column = np.argwhere(dofs == moving[np.argmax(np.abs(motion))])[0]
-    moves = 3 * form.dim
-    node = column // form.dim if column < moves else (column - moves) // form.turns
-    point = format_point(form.points[form.cells[element, node]])
+    point = format_point(layout.coordinates[:, moving[np.argmax(np.abs(motion))]])
     raise ValueError(
         f"the {form.kind} '{name}' moves freely at {point}, for nothing acts on its nodes: bond it "
         "to a line of the mesh, or give it supports, `contact` or Embedded that is active with it"

@@ -421,7 +421,7 @@ class Setup:
             for remark in form.check_stage(fixed, held, duration):
                 yield replace(remark, text=f"{name}: {remark.text}")
             if isinstance(form, BeamNodes):
-                refuse_loose(name, active, np.union1d(fixed, held))
+                refuse_loose(name, active, self.layout, np.union1d(fixed, held))
         yield from hinged(active, fixed)
 
     def system(self, forms: Forms, fixed: ndarray) -> System:
