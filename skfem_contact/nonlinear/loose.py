@@ -36,6 +36,9 @@ def share_held(step: Step, load: ndarray, reached: ndarray | None) -> float:
     accepted displacements and of the last ones that were reached, which may hold more unless bodies
     have flown away.
     """
+    solids = step.system.layout.n_displacements > 0
+    if not (solids and having(step.system.forms, Touching)):
+        return 1.0
     places = [step.x]
     if reached is not None:
         moved = (reached - step.x)[step.system.layout.parts[0]]
