@@ -41,6 +41,7 @@ from .energies import INERTIA, Log
 from .saturated import check_base, pores_in_motion
 from .setup import Setup
 from .stage import Stage
+from .supports import check_pairs
 
 logger = logging.getLogger("skfem_contact")
 
@@ -141,6 +142,7 @@ def inertia_of(setup: Setup, stage: Stage, forms: Forms, fixed: ndarray) -> InTi
     # Make the matrices and the motion of the base.
     try:
         check_materials(forms)
+        check_pairs(forms)
         g = setup.acceleration_of_gravity()
         _check_boundaries(forms, fixed, setup.layout)
         M, C = mass_and_damping(forms, setup.layout, settings, g)

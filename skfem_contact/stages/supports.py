@@ -35,7 +35,7 @@ def check_supports(forms: Forms, fixed: ndarray) -> None:
     count as one, and bodies that meet a rigid obstacle pass: contact may hold them. Other forms may
     hold any body.
     """
-    _check_pairs(having(forms, ContactBase))
+    check_pairs(forms)
     # Forms may join bodies, or hold any of them.
     solids = solids_of(forms)
     joined = []
@@ -123,8 +123,9 @@ def _check_elements(
         )
 
 
-def _check_pairs(pairs: Mapping[str, ContactBase]) -> None:
+def check_pairs(forms: Forms) -> None:
     """Refuse two contact pairs of the same facets that do more than the work of one together."""
+    pairs = having(forms, ContactBase)
     sides = {}
     for name, pair in pairs.items():
         sides[name] = _facets_of(pair.slave), _facets_of(pair.facets)

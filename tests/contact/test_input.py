@@ -80,6 +80,19 @@ def test_two_pairs_of_the_same_facets_are_refused(enforcement, turned):
     model.run([sc.Stage("rest", deactivate="two")], progress=False)
 
 
+def test_two_pairs_of_the_same_facets_are_refused_in_motion():
+    basis = halves()
+    forms = {
+        "both": sc.SolidForm(basis, ELASTIC, unit_weight=20.0),
+        "one": sc.ContactPair(basis, "l:right", "r:left", sc.Coulomb(0.3, adhesion=5.0)),
+        "two": sc.ContactPair(basis, "l:right", "r:left", sc.Coulomb()),
+    }
+    model = sc.Model(forms, basis.get_dofs("l:bottom").all(), gravity_acceleration=9.81)
+    stage = sc.Stage("shaken", duration=1.0, dynamic=sc.Dynamic(0.1))
+    with pytest.raises(ValueError, match=r"stage 'shaken': .*contact of the same facets"):
+        model.run([stage], progress=False)
+
+
 def test_two_passes_with_half_of_the_work_each_are_accepted():
     basis = halves()
     forms = {
