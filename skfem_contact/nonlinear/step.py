@@ -186,6 +186,12 @@ class _Balance(Problem):
         """
         first = self.evaluate(z)
         step = self._step
+        unknown = [n for n, r in first.responses.items() if not np.isfinite(r.force).all()]
+        if unknown:
+            text = f"the forces of {unknown} are not finite where the increment starts"
+            if step.start is not None:  # extrapolated too far
+                raise NotConverged(text, step.x)
+            raise ValueError(f"{text}: examine a law of your own with testing.check_material")
         if step.start is None or not first.predictions or not self._predicts:
             return first
         return step.system.begun(first, step.x, step.before)

@@ -561,3 +561,20 @@ def test_stiffness_with_a_factor():
     assert not form.scaled_stiffness({}).toarray().any()
     with pytest.raises(NotImplementedError, match="have one factor"):
         form.scaled_stiffness({"spring": 2.0, "other": 3.0})
+
+
+class WithoutNumbers(sc.VonMises):
+    """A law whose stresses are lost."""
+
+    def update(self, strain_increment, stress, internal):
+        found = super().update(strain_increment, stress, internal)
+        return found._replace(stress=np.full_like(found.stress, np.nan))
+
+
+def test_own_law_without_numbers_is_named():
+    """The linear solver complained of its right-hand side."""
+    basis, solid, load = column(WithoutNumbers(E=1e3, nu=0.0, strength=10.0))
+    model = sc.Model({"column": solid}, basis.get_dofs("bottom").all())
+    message = r"the forces of \['column'\] are not finite .*check_material"
+    with pytest.raises(ValueError, match=message):
+        model.run([sc.Stage("pressed", load)], **QUIET)
