@@ -347,6 +347,8 @@ class _Path:
         right[:, 0] += max(centring, min(mu, _CENTRED * self.away / n_cones))
         (response,) = self._responses([self._newton(_quotient(right, point))])
         d = self._direction(response)
+        if not all(np.isfinite(part).all() for part in (d.sigma, d.y, d.s, d.z, d.theta)):
+            raise ArithmeticError("the direction is not finite")
 
         # step, then restore the flow rule
         a = min(1.0, _STEP * self._longest(d))
