@@ -119,9 +119,10 @@ def eager(self, *args, init=sc.Response.__init__, **kwargs):
     self.stiffness
 
 
-def nothing_is_far(self, nodes, points, own, at=neighbours.NeighbourList.at):
+def nothing_is_far(self, *args, at=neighbours.NeighbourList.at):
     """Neighbours that may be anywhere."""
-    return at(self, nodes, points, own)._replace(clearance=np.full(len(points), -np.inf))
+    found = at(self, *args)
+    return found._replace(clearance=np.full(len(found.clearance), -np.inf))
 
 
 class Afresh(Total):
