@@ -202,5 +202,5 @@ def test_interrupted(quadrature, dim):
     np.testing.assert_allclose(continued[-1].x, whole[-1].x, atol=1e-14)
     for name in ("stick_point", "traction", "status"):
         one, other = (getattr(result[-1].states["joint"], name) for result in (continued, whole))
-        # tractions of 8: round-off of displacements, 1e-16, times the penalty of 1e5
+        # tractions of 8: round-off of positions, 2e-16, times the penalty of 2e4
         np.testing.assert_allclose(one, other, rtol=1e-10, atol=1e-11)
