@@ -151,6 +151,7 @@ def _on_distance(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
     place = f"{format_point(deepest)} of the mesh"
     # Points deeper than an element lie behind the surface.
     deep = state.gap < -pair.interface.depth(points)
+    overlap = _overlap_of_supports(pair, state)
     if deep.any():
         yield Remark(
             "too deep",
@@ -159,8 +160,7 @@ def _on_distance(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
             f"element, up to {-state.gap.min():.3g}, and do not touch it; the deepest is at "
             f"{place}",
         )
-    elif _overlap_of_supports(pair, state) > 0.0:
-        overlap = _overlap_of_supports(pair, state)
+    elif overlap > 0.0:
         yield Remark(
             "held overlap",
             overlap,

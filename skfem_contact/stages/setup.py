@@ -455,7 +455,7 @@ def _across(down: ndarray, parts: ndarray) -> ndarray:
     if dim != 2:
         raise ValueError(
             f"seismic needs gravity along one of the axes in space, not {down.tolist()}: rotate "
-            f"the mesh"
+            "the mesh"
         )
     # The horizontal direction of inclined gravity is the one towards x.
     towards = left_of(down)

@@ -126,6 +126,8 @@ def _check_elements(
 def check_pairs(forms: Forms) -> None:
     """Refuse two contact pairs of the same facets that do more than the work of one together."""
     pairs = having(forms, ContactBase)
+    if len(pairs) < 2:
+        return
     sides = {}
     for name, pair in pairs.items():
         sides[name] = _facets_of(pair.slave), _facets_of(pair.facets)
